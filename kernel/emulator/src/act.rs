@@ -1,7 +1,7 @@
 //! Everything that an action may access: the channel, and a few services of the kernel that it belongs to.
 //!
-//! *Invariant:* an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator; what it
-//! asks of them is executed by the kernel, calls and ends at the end of the block.
+//! *Invariant:* an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator. The
+//! kernel executes its requests to them, calls and ends at the end of the block.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
@@ -167,7 +167,7 @@ impl Act<'_, '_> {
         self.kernel.diagnose(facts, text);
     }
 
-    /// Logs an alarm of the control and returns what it does.
+    /// Logs an alarm of the control and returns its effect.
     pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.kernel.alarm(facts, text)
     }
@@ -254,7 +254,7 @@ impl Act<'_, '_> {
         self.kernel.compare_last_speed()
     }
 
-    /// Changes what the spindle is commanded to do, logs it, and lets the spindle run up.
+    /// Changes the command of the spindle, logs it, and lets the spindle run up.
     pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
         self.kernel.command_spindle(change)
     }
@@ -264,7 +264,7 @@ impl Act<'_, '_> {
         self.kernel.tool_event(action, tool, offset, ns)
     }
 
-    /// Reports what is known about the tool in use if that has changed.
+    /// Reports the known data of the active tool if they have changed.
     pub(crate) fn report_tool(&mut self) {
         self.kernel.report_tool();
     }

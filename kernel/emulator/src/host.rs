@@ -1,6 +1,6 @@
 //! A running kernel as the host of its macros.
 //!
-//! *Invariant:* everything a macro reads or changes is the state of the kernel itself; what belongs to several kernels is
+//! *Invariant:* a macro reads and changes only the state of the kernel itself; data that belong to several kernels are
 //! reached through shared operations only. Facts: reference control-emulator.md 4, system-variables.md, functions.md.
 
 mod block;
@@ -200,7 +200,7 @@ impl Kernel<'_> {
         if self.macros.calls.ending || self.ports.control.cancelled() { Err(unwinding(state)) } else { Ok(()) }
     }
 
-    /// Refuses what is not available in this kind of macro.
+    /// Refuses a request that is not available in this kind of macro.
     fn not_here<T>(what: &str) -> Outcome<T> {
         Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
     }

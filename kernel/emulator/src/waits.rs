@@ -55,7 +55,7 @@ pub(crate) enum Meaning {
     Act(Act, Wait),
 }
 
-/// What a block says at a waiting code.
+/// Data of a block at a waiting code.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Said {
     /// Channel of the program.
@@ -66,8 +66,8 @@ pub(crate) struct Said {
     pub(crate) list: Option<f64>,
 }
 
-/// The rules of all waits of a machine. Those of a composite machine and of its components have the same numbers, whatever
-/// registers they have.
+/// The rules of all waits of a machine. The rules of a composite machine and of its components have the same numbers,
+/// regardless of their registers.
 #[must_use]
 pub fn rules(machine: &Machine) -> Rules {
     let start = std::iter::once(Rule::plain("START"));
@@ -230,7 +230,7 @@ fn first_of_word(machine: &Machine, row: &WaitRow) -> u16 {
     machine.sync.waits.iter().position(same).unwrap_or(0) as u16
 }
 
-/// What a row means for a mark and channels, in the channel with the number `own`.
+/// Meaning of a row for a mark and channels, in the channel with the number `own`.
 fn of_row((index, row): (u16, &WaitRow), key: Key, (named, parts): (Option<Set>, Set), own: u16) -> Meaning {
     let broadcast = row.primitive == Primitive::Signal && named.is_none();
     let need = if broadcast { 1 } else { row.need };

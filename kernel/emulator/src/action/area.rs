@@ -7,7 +7,7 @@ use crate::action::entry::Entry;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::WORK_AREA_LOW], |act, _, _| limits(act, false)),
     Entry::of(&[codes::WORK_AREA_HIGH], |act, _, _| limits(act, true)),

@@ -5,7 +5,7 @@ use crate::action::entry::Entry;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::AXES_BESIDE], |act, _, _| arrive(act))];
 
 fn arrive(act: &mut Act<'_, '_>) -> Acted {

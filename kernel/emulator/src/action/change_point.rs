@@ -10,7 +10,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::habits::Home;
 use counterpoint_machine::ident::codes;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::TOOL_LOAD_POINT], |act, _, _| go(act)),
     Entry::of(&[codes::TOOL_LOAD_RETURN], |act, _, _| come_back(act)),

@@ -12,7 +12,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::kind::CodeKind;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Clamp(axis, on) => |act, _row, _code| clamp(act, axis, on)),
     entry_of_kind!(CodeKind::Unwind(axis) => |act, _row, _code| unwind(act, axis)),

@@ -12,7 +12,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_program::block::ContourEnd;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE], |act, _, _| extended(act)),
     Entry::of(&[codes::COMP_DYN_FIXT_ON], |act, _, _| dynamic(act, true)),

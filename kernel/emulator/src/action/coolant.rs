@@ -1,7 +1,7 @@
 //! Coolant: the flow at the main and the side head, auxiliary devices, the pressure of the pump.
 //!
-//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 6. *Invariant:* what flows is the active code of its
-//! modal group; kept here is only what the codes do not say: what flowed last, and the pressure.
+//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 6. *Invariant:* the flowing coolant is the active
+//! code of its modal group; only data without a code are kept here: the last coolant that flowed, and the pressure.
 
 use counterpoint_lang::format::wildcard_text;
 
@@ -16,7 +16,7 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::coolant::{Flow, Switch};
 use counterpoint_machine::ident::{codes, data};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] =
     &[entry_of_kind!(CodeKind::Coolant(of) => |act, _row, _code| switch(act, of)).contour(Contour::Waits)];
 

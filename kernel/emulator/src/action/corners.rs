@@ -12,7 +12,7 @@ use crate::action::cutter;
 use crate::action::entry::{Contour, Entry};
 use counterpoint_fault::Acted;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::CORNER_CHAMFER], |act, _, _| cutter::corner_code(act, false)).contour(Contour::Waits),
     Entry::of(&[codes::CORNER_ROUND], |act, _, _| cutter::corner_code(act, true)).contour(Contour::Waits),

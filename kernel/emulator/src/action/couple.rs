@@ -1,6 +1,7 @@
 //! Codes that couple an axis of one channel with an axis of another one (Fanuc G51.4 to G51.6, G50.4 to G50.6).
 //!
-//! Both channels have the code in their programs, or one of them alone has that of synchronous control. *Invariant:* what is refused is refused before the channel waits.
+//! Both channels have the code in their programs, or one of them alone has that of synchronous control. *Invariant:* a
+//! refusal comes before the channel waits.
 
 use crate::act::Act;
 use crate::action::entry::Entry;
@@ -12,7 +13,7 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::model::SyncDialect;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::COUPLE_SYNCHRONOUS], |act, _, _| on(act, Kind::Synchronous)),
     Entry::of(&[codes::COUPLE_SYNCHRONOUS_OFF], |act, _, _| off(act, Kind::Synchronous)),

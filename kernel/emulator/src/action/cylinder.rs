@@ -14,7 +14,7 @@ use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::AxisSlot;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] =
     &[Entry::of(&[codes::CYLINDER_ON], |act, _, _| on(act)), Entry::of(&[codes::CYLINDER_MAP], |act, _, _| map(act))];
 
@@ -65,7 +65,7 @@ fn map(act: &mut Act<'_, '_>) -> Acted {
         act.diagnose(&diag::NO_CYLINDER, text);
         return Ok(());
     };
-    // What cylindrical interpolation forbids is not forbidden here: its code stays off.
+    // Words that cylindrical interpolation forbids are not forbidden here: its code stays off.
     begin(act, (radius, rotary, true))
 }
 

@@ -12,7 +12,7 @@ use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::{DataId, data};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::DELAY], |act, _, _| seconds(act)).contour(Contour::Waits),
     Entry::of(&[codes::DELAY_REV], |act, _, _| revolutions(act)),
@@ -60,7 +60,7 @@ impl Act<'_, '_> {
         let found = sources.filter_map(|source| Some((source.mul, self.block.look(source.register)?))).next();
         let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() <= 0.001) else { return false };
         let text = self.current_text().get(word.start as usize..word.end as usize).unwrap_or_default();
-        // What an expression has is not written.
+        // A point within an expression is not a written point.
         mul != 0.0 && text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
     }
 }

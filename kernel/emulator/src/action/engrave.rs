@@ -15,7 +15,7 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::ENGRAVE], |act, _, _| engrave(act))];
 
 /// The variable with the number of the next part.

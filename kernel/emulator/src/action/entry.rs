@@ -13,7 +13,7 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
-/// What a code does, with its row and the way in which it was written.
+/// Action of a code, with its row and its written form.
 pub(crate) type ActFn = fn(&mut Act<'_, '_>, &CodeRow, &PendingCode) -> Acted;
 
 /// Which codes an entry takes.
@@ -25,7 +25,7 @@ enum Codes {
     OfKind(fn(CodeKind) -> bool),
 }
 
-/// What an action means for a move that compensation of the tool radius keeps back.
+/// Effect of an action on a move that compensation of the tool radius keeps back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Contour {
     /// A move along the contour.
@@ -97,7 +97,7 @@ impl Action for Entry {
     }
 }
 
-/// An entry for the codes of a kind: its pattern, and what it does with the values that the pattern binds.
+/// An entry for the codes of a kind: its pattern, and its action on the values that the pattern binds.
 macro_rules! entry_of_kind {
     ($pattern:pat => |$act:ident, $row:ident, $code:ident| $body:expr) => {
         $crate::action::entry::Entry::of_kind(

@@ -11,7 +11,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::FEED_DOWN], |act, _, _| down(act)),
     Entry::of(&[codes::FEED_ROTARY_LENGTH], |act, _, _| rotary(act, true)),

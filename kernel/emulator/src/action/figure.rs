@@ -15,7 +15,7 @@ use crate::action::cutter;
 use crate::action::entry::Entry;
 use crate::state::figure::{Copy, Figure};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::FIGURE_TURN], |act, _, _| turn(act)),
     Entry::of(&[codes::FIGURE_SHIFT], |act, _, _| shift(act)),

@@ -1,6 +1,6 @@
 //! The work frame: presets, work offsets, tool offsets, length compensation.
 //!
-//! *Invariant:* changing the frame never moves the machine; the programmed position is what changes.
+//! *Invariant:* changing the frame never moves the machine; only the programmed position changes.
 
 use super::offset_words::{in_machine_frame, length_changed, put_length};
 use crate::act::Act;
@@ -14,7 +14,7 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
 use counterpoint_program::block::PendingCode;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::POSITION_MACHINE], |act, _, _| machine_frame(act)).contour(Contour::Leaves),
     Entry::of(&[codes::POSITION_PRESET], |act, _, _| preset(act)),

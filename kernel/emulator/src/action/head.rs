@@ -13,7 +13,7 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::kind::head::HeadEvent;
 use counterpoint_machine::rows::CodeRow;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::HEAD_MAIN], |act, _, _| load(act, Some(1))),
     Entry::of(&[codes::HEAD_SIDE], |act, _, _| load(act, Some(2))),

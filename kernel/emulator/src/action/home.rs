@@ -16,7 +16,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::GOHOME], |act, _, _| go(act, 1)).contour(Contour::Leaves),
     Entry::of(&[codes::GOHOME_NTH], |act, _, _| go_nth(act)).contour(Contour::Leaves),

@@ -14,7 +14,7 @@ use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::BySlot;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::TOOL_LENGTHEN], |act, _, _| lengthen(act, 1.0)).contour(Contour::Waits),
     Entry::of(&[codes::TOOL_SHORTEN], |act, _, _| lengthen(act, -1.0)).contour(Contour::Waits),

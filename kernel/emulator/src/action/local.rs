@@ -21,7 +21,7 @@ use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::beside::Lines;
 use counterpoint_motion::frame::local::{Part, Programmed, Refused};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Local(part, of) => |act, _row, _code| change(act, part, of)),
     Entry::of(&[codes::TURRET_OPPOSITE], |act, _, _| opposite(act, true)),

@@ -11,7 +11,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] =
     &[Entry::of(&[codes::TOOL_MEASURE], |act, _, _| measure(act)).contour(Contour::Leaves)];
 

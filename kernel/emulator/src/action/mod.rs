@@ -1,8 +1,7 @@
 //! The actions of codes: one file for each idea, with its entries in the registry.
 //!
 //! Facts: reference control-emulator.md 6. Invariants: an action takes its data in the documented order (feed before
-//! axes) and never touches another channel except through a shared operation; it reaches its kernel only by what
-//! `Act` offers.
+//! axes) and never touches another channel except through a shared operation; it reaches its kernel only through `Act`.
 
 mod arc;
 mod area;

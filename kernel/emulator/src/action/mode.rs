@@ -10,7 +10,7 @@ use counterpoint_machine::ident::{CodeId, data};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Mode(text) => |act, _row, _code| mode(act, text)).contour(Contour::Waits),
     Entry::of(&[codes::UNITS_PRIMARY], |act, _, _| units(act, false)).contour(Contour::Waits),
@@ -52,7 +52,7 @@ pub(super) fn exact_stop_block(act: &mut Act<'_, '_>) -> Acted {
 
 /// Cutter or nose radius compensation: number, listing, and the path if there is a radius.
 pub(super) fn diameter(act: &mut Act<'_, '_>, side: &'static str, code: CodeId) -> Acted {
-    // What ends compensation needs no number.
+    // A code that ends compensation needs no number.
     let asks = side != "off" || act.block_has(data::COMP_DIAM);
     let number = if asks { super::compensation::take_diameter(act) } else { None };
     if act.acting.mode_changed || number.is_some() {

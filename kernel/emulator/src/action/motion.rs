@@ -14,7 +14,7 @@ use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::Datum;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::RAPID], |act, _, _| rapid(act)).moves().contour(Contour::Follows),
     Entry::of(&[codes::RAPID_ONE_WAY], |act, _, _| one_way(act)).contour(Contour::Leaves),

@@ -15,7 +15,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::BySlot;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::OFFSET_SET], |act, _, _| set(act)).contour(Contour::Waits)];
 
 /// The set value.
@@ -39,8 +39,9 @@ const MOST_EXTENDED: u32 = 300;
 /// Kinds whose data follow in blocks of their own up to G11: tool life; parameters, pitch errors and parameters of axes.
 const DATA_BLOCKS: [f64; 4] = [3.0, 50.0, 51.0, 52.0];
 
-/// What L and P of G10 mean: L2 work, L20 extended work, L10 length, L11 or L1 its wear, L12 and L13 radius and its wear; for a
-/// turning tool L10 is its geometry and L11 or L1 its wear, without L a number above 10,000 is its geometry.
+/// Meaning of L and P of G10: L2 work, L20 extended work, L10 length, L11 or L1 its wear, L12 and L13 radius and its
+/// wear. For a turning tool L10 is its geometry and L11 or L1 its wear; without L a number above 10,000 is its
+/// geometry.
 ///
 /// # Errors
 /// There is no such offset; the text says why.

@@ -1,9 +1,10 @@
 //! Pockets of any shape (Haas G150).
 //!
-//! Facts: operator's manual of the control: the tool goes to the start within the pocket and down from the return plane in levels; in each it goes once
-//! round the outline that the subprogram draws, with what the last pass leaves, then clears the inside by cuts; the last pass is made at the
-//! depth alone. Decisions: it meets the outline where the way to the first point of that does; it rises to the return plane between
-//! cuts that do not follow each other, and ends there, above the start; the compensation of its block ends with it. *Invariant:* no move comes
+//! Facts: operator's manual of the control: the tool goes to the start within the pocket and down from the return plane
+//! in levels. In each level it goes once around the outline that the subprogram draws, at the distance of the last
+//! pass, then clears the inside by cuts; the last pass is made at the depth alone. Decisions: the tool meets the
+//! outline where the path to its first point does; it rises to the return plane between cuts that do not follow each
+//! other, and ends there, above the start; the compensation of its block ends with it. *Invariant:* no move comes
 //! nearer to the outline than the radius of the tool.
 
 use counterpoint_motion::arc::by_center;
@@ -24,7 +25,7 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::POCKET], |act, _, _| pocket(act))];
 
 /// Moves of an outline, and lines of cuts, at most.
@@ -151,7 +152,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, pocket: &Pocket, feed: (Option<f64>, Fe
 struct Cuts {
     plane: LathePlane,
     z: AxisSlot,
-    /// What is cut lies turned by this, degrees.
+    /// Rotation of the cut area, degrees.
     turn: f64,
     clear: f64,
     start: Spot,

@@ -23,7 +23,7 @@ use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_program::block::Datum;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::C2P_CART_ON], |act, _, _| on(act, true)),
     Entry::of(&[codes::C2P_POLAR_ON], |act, _, _| on(act, false)),
@@ -231,7 +231,7 @@ impl Act<'_, '_> {
         let spare = axis == polar.rotary && polar.cartesian && self.axis_of_data(data::AXIS_Y).is_none();
         let across = radius.or_else(|| if spare { self.take(data::AXIS_Y) } else { None });
         across.or_else(|| {
-            // A word of the rotary axis itself is degrees, what is taken here is the way round.
+            // A word of the rotary axis itself is in degrees, but the value taken here is the length along the circle.
             let degrees = axis == polar.rotary && polar.cartesian;
             let way = polar.per_degree().filter(|_| degrees).unwrap_or(1.0);
             self.take(id).map(|datum| Datum { value: datum.value * way, ..datum })

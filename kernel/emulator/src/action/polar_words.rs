@@ -1,7 +1,7 @@
 //! Polar coordinate command: the words of the plane are a radius and an angle until it is cancelled.
 //!
-//! *Invariant:* only words of positions to go to are read so; those of presets, offsets, frames and centres stay what they
-//! are. Decisions: docs/emulation.md, "Polar coordinate command".
+//! *Invariant:* only words of target positions are read so; words of presets, offsets, frames and centres keep their
+//! meaning. Decisions: docs/emulation.md, "Polar coordinate command".
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
@@ -13,7 +13,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_program::block::Datum;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::POLAR_WORDS_ON], |act, _, _| switch(act, true)).contour(Contour::Waits),
     Entry::of(&[codes::POLAR_WORDS_OFF], |act, _, _| switch(act, false)).contour(Contour::Waits),

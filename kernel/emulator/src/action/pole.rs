@@ -8,7 +8,7 @@ use counterpoint_machine::ident::codes;
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::POLE_TOOL], |act, _, _| set(act, From::Tool)).contour(Contour::Waits),
     Entry::of(&[codes::POLE_ZERO], |act, _, _| set(act, From::Zero)).contour(Contour::Waits),

@@ -24,8 +24,8 @@ const PLACES: u32 = 16;
 /// A piece of a way on the part: its length, and degrees that it goes round the centre.
 type Piece = (f64, f64);
 
-/// The pieces of a line between changes of what is slower, the rotary axis or the feed. `tight`: way that the feed makes
-/// while the axis turns a radian.
+/// Splits a line where the slower of rotary axis and feed changes. `tight`: path length at the feed while the axis
+/// turns a radian.
 fn of_line([ax, ay]: [f64; 2], [bx, by]: [f64; 2], tight: f64) -> Vec<Piece> {
     let (dx, dy) = (bx - ax, by - ay);
     let length = dx.hypot(dy);

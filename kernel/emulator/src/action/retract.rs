@@ -15,7 +15,7 @@ use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::unit;
 use counterpoint_motion::frame::plane::UNITS;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::RETRACT_TOOL], |act, _, _| back(act))];
 
 fn back(act: &mut Act<'_, '_>) -> Acted {

@@ -10,7 +10,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] =
     &[Entry::of(&[codes::INTERP_SKIP], |act, _, _| probe(act)).moves().contour(Contour::Leaves)];
 

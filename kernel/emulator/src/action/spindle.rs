@@ -17,7 +17,7 @@ use counterpoint_machine::ident::data;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_sync::shared::Command;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Spindle { number, direction, coolant } => |act, _row, _code| turn(act, number, direction, coolant))
     .contour(Contour::Commands),
@@ -49,7 +49,7 @@ pub(super) fn turn(act: &mut Act<'_, '_>, number: u16, direction: Direction, coo
     })
 }
 
-/// Takes off the block what a code without a spindle would have used.
+/// Removes from the block the data that a code without a spindle would have used.
 pub(super) fn drop_data(act: &mut Act<'_, '_>) {
     for id in [data::SPINDLE_ORIENT, data::SPINDLE_RPM, data::SPINDLE_CSS] {
         act.take(id);

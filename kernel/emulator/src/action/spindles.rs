@@ -1,8 +1,8 @@
 //! Which spindle of a channel is in work: the front or the rear one when it turns the part, the milling one when it mills.
 //!
-//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. *Invariant:* the spindle in work is that of
-//! `Kernel::spindle`; what the channel has commanded of its other spindles is kept here, unless another channel can
-//! command them too.
+//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. *Invariant:* the active spindle is that of
+//! `Kernel::spindle`. Commands of the channel for its other spindles are kept here, unless another channel can command
+//! them too.
 
 use crate::act::Act;
 use crate::action::entry::Entry;
@@ -12,7 +12,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::SPINDLE_CSS_ID], |act, _, _| driver_by_id(act)),
     Entry::of(&[codes::SPINDLE_FRONT], |act, _, _| in_work(act, false)),

@@ -6,7 +6,7 @@ use counterpoint_event::event::{Kind, Stop};
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::codes;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::STOP], |act, _, _| stop(act, Stop::Program)),
     Entry::of(&[codes::OPSTOP], |act, _, _| stop(act, Stop::Optional)),

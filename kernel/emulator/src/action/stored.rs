@@ -12,7 +12,7 @@ use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
 use crate::state::stored::StoredArea;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::STORED_LIMIT_ON], |act, _, _| switch(act, true)).contour(Contour::Waits),
     Entry::of(&[codes::STORED_LIMIT_OFF], |act, _, _| switch(act, false)).contour(Contour::Waits),

@@ -11,7 +11,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::model::CallForm;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::CALSUB_ID], |act, _, _| call(act)).contour(Contour::Waits),
     Entry::of(&[codes::CALSUB_RANGE], |act, _, _| call_range(act)).contour(Contour::Waits),

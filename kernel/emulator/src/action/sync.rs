@@ -1,6 +1,6 @@
 //! Codes at which channels wait for each other, or let each other continue.
 //!
-//! Facts: reference channel-synchronisation.md 1.0, 1.3. What a word means is data of the machine: see `waits`.
+//! Facts: reference channel-synchronisation.md 1.0, 1.3. The meaning of a word is data of the machine: see `waits`.
 
 use crate::act::Act;
 use crate::action::entry::Entry;
@@ -15,7 +15,7 @@ use counterpoint_machine::ident::data;
 use counterpoint_machine::model::SyncDialect;
 use counterpoint_machine::rows::CodeRow;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::SYNC_REG], |act, row, _| by_row(act, row)),
     Entry::of(&[codes::SYNC_REG_MAIN], |act, _, _| by_heads(act, data::SYNC_MAIN, 'S')),

@@ -22,7 +22,7 @@ use counterpoint_motion::frame::local::Part;
 use counterpoint_motion::frame::orient::Unreached;
 use counterpoint_motion::frame::plane::{self, UNITS};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[entry_of_kind!(CodeKind::Plane(tilt) => |act, _row, _code| execute(act, tilt))];
 
 const ZERO: [DataId; 3] = [data::TILT_X, data::TILT_Y, data::TILT_Z];
@@ -43,7 +43,7 @@ const NUMBERS: [DataId; 9] = [
 const FORMS: [Form; 7] =
     [Form::Euler, Form::Fixed, Form::Points, Form::Directions, Form::Projections, Form::Turned, Form::Positions];
 
-/// A definition: the plane in the frame around it, and angles of the rotary axes if they are what it says.
+/// A definition: the plane in the frame around it, and the angles of the rotary axes if the definition gives them.
 struct Defined {
     plane: Affine,
     angles: Option<Turned>,
@@ -141,7 +141,7 @@ fn unreached(act: &mut Act<'_, '_>, why: Unreached) -> Acted {
     Err(act.alarm(&diag::PLANE_UNREACHABLE, text))
 }
 
-/// What a block says; nothing if it is a part of a definition that others complete.
+/// Definition in a block; none if it is a part of a definition that other blocks complete.
 fn read(act: &mut Act<'_, '_>, of_code: Form, add: bool) -> Result<Option<Defined>, Halt> {
     let said = act.take(data::TILT_FORM).map(|datum| datum.value);
     let number = said.unwrap_or(0.0);

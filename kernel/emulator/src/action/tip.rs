@@ -16,7 +16,7 @@ use counterpoint_machine::model::paths::Missing;
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::orient::{Free, Rule, Turns, Way};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::RTCP_ON], |act, _, _| on(act, 1)),
     Entry::of(&[codes::RTCP2_ON], |act, _, _| on(act, 2)),

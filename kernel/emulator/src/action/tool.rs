@@ -10,7 +10,7 @@ use counterpoint_fault::Acted;
 use counterpoint_fault::{self as diag, Facts};
 use counterpoint_machine::ident::{codes, data};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::TOOL_SELECT], |act, _, _| select(act)).contour(Contour::Waits),
     Entry::of(&[codes::TOOL_LOAD], |act, _, _| load(act)),

@@ -12,7 +12,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::model::Turn;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::ANGLES_SHORTEST], |act, _, _| shortest(act, true)).contour(Contour::Waits),
     Entry::of(&[codes::ANGLES_AS_WRITTEN], |act, _, _| shortest(act, false)),
@@ -42,7 +42,7 @@ fn shortest(act: &mut Act<'_, '_>, on: bool) -> Acted {
 }
 
 impl Act<'_, '_> {
-    /// Where an absolute word turns an axis from a position; `away` is what its frame lies away from that of the
+    /// Position to which an absolute word turns an axis; `away` is the distance of its frame from that of the current
     /// position.
     #[cold]
     #[inline(never)]

@@ -1,7 +1,7 @@
 //! The door to everything that channels share besides waits: common and named variables, GLOBALs, spindles, files.
 //!
-//! *Invariant:* every access of a channel passes here, with what it reaches and whether it writes, so everything that
-//! concerns all accesses hangs here. Facts: reference channel-synchronisation.md 2.4.
+//! *Invariant:* every access of a channel passes here, with its target and whether it writes, so everything that
+//! concerns all accesses is here. Facts: reference channel-synchronisation.md 2.4.
 
 use counterpoint_event::event::RaceWith;
 use counterpoint_fault::{self as diag, Acted, Facts, Halt};
@@ -22,13 +22,13 @@ pub(crate) enum Door<'n> {
     Named(&'n str),
     /// A GLOBAL variable of macros, by index.
     Global(u32),
-    /// A spindle; what its commands mean to each other is reported by its own rule (`spindle-conflict`).
+    /// A spindle; conflicts of its commands are reported by a rule of their own (`spindle-conflict`).
     Spindle,
     /// A file; lines of several channels in one file are an ordered log, so they are not judged.
     File,
 }
 
-/// Carries out an access; one that writes may end what others wait for in loops.
+/// Executes an access; a write may end loops in which other channels wait.
 fn reach<R>(order: &mut Order, mode: Mode, operation: impl FnOnce(&mut Shared) -> R) -> R {
     if mode == Mode::Write {
         order.change();
@@ -52,7 +52,8 @@ impl Door<'_> {
     pub(super) fn variable(self) -> Option<Variable> {
         match self {
             Self::Common(index) => Some(Variable::Common(index)),
-            // Not a variable of programs: what pre-processors keep about a definition, which the first one makes for all.
+            // Not a variable of programs: data of pre-processors about a definition, which the first definition makes
+            // for all.
             Self::Named(name) if name.contains(' ') => None,
             Self::Named(name) => Some(Variable::Named(name.into())),
             Self::Global(index) => Some(Variable::Global(index)),
@@ -93,7 +94,7 @@ impl Kernel<'_> {
         if matches!(door, Door::Spindle) {
             return self.shared_in_motion(|order| reach(order, mode, operation));
         }
-        // What the machine's own macros do at the start and at the end of a kernel stands in no line.
+        // Accesses by the machine's own macros at the start and at the end of a kernel have no line.
         let judged = !self.channel.env.options.races.is_off() && !self.ports.coordinator.is_single();
         let judged = judged && self.channel.at.line != 0 && self.channel.at.channel != 0;
         let Some(variable) = judged.then(|| door.variable()).flatten() else {

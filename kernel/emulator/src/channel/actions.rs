@@ -31,10 +31,10 @@ pub(crate) enum CompensationChange {
     Number,
 }
 
-/// The built-in actions: those of codes, and what other stages of the pipeline need of them.
+/// The built-in actions: those of codes, and those that other stages of the pipeline need.
 #[derive(Debug)]
 pub struct Actions {
-    /// What a code does; `None` for a code without a built-in action.
+    /// Action of a code; `None` for a code without a built-in action.
     pub(crate) of: fn(CodeId) -> Option<&'static dyn Action>,
     /// Finishes a move that compensation keeps back, without knowing the next one.
     pub(crate) flush_lookahead: fn(&mut Kernel<'_>) -> Acted,

@@ -23,11 +23,11 @@ impl Kernel<'_> {
         self.check_limits()
     }
 
-    /// What the kernel keeps besides values of macros, if that is too much: its largest part.
+    /// Data of the kernel besides values of macros, if they are too much: their largest part.
     pub(crate) fn overburdened(&self) -> Option<String> {
         let shares = self.channel.shares();
         let (limit, room) = (shares.rest, shares.room());
-        // Kernels may be ahead of their results, so the events say what those take at most.
+        // Kernels may be ahead of their results, so the number of events gives the maximum size of the results.
         let events = self.ports.emitter.count();
         let several = self.channel.env.machine.channels.len() > 1;
         let kept = self.components.turns.dialects.iter().map(|resting| &resting.dialect);

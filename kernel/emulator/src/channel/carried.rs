@@ -122,7 +122,7 @@ impl Kernel<'_> {
         Lived { channel, halt, ended, left }
     }
 
-    /// Takes over what it was before; from its end to now it stood idle.
+    /// Takes over the earlier state of the kernel; from its end until now it was idle.
     pub fn take_over(&mut self, carried: Carried) {
         let idle = self.channel.at.clock.saturating_sub(carried.clock);
         self.put_back(carried);

@@ -1,8 +1,8 @@
 //! Time of codes and spindles from the machine's tables, beside other things or alone.
 //!
-//! Facts: reference channel-synchronisation.md 3 (M, S and T times). *Invariant:* what runs beside something starts at a time that
-//! is known, so the path stops before it; whatever still runs when it must be over is waited for, and the wait is shown as
-//! the function.
+//! Facts: reference channel-synchronisation.md 3 (M, S and T times). *Invariant:* a function that overlaps other work
+//! starts at a known time, so the path stops before it. A function that is still running when it must be over is waited
+//! for, and the wait is shown as that function.
 
 use super::Kernel;
 use crate::state::Running;
@@ -27,7 +27,7 @@ impl Kernel<'_> {
         self.channel.advance(ns);
     }
 
-    /// Starts what takes its time beside other things; `false` if it takes it alone.
+    /// Starts a function that takes its time beside other work; `false` if it takes its time alone.
     pub(super) fn runs_beside(&mut self, overlap: Overlap, (letter, value): (char, f64), ns: i64) -> bool {
         let Some(slot) = SLOTS.iter().position(|slot| *slot == overlap) else { return false };
         self.come_to_rest();
@@ -40,7 +40,7 @@ impl Kernel<'_> {
         true
     }
 
-    /// The end of a block: what runs beside it is over.
+    /// The end of a block: functions that overlap it are over.
     #[cold]
     #[inline(never)]
     pub(crate) fn end_functions(&mut self) {

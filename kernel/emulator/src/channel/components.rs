@@ -1,8 +1,9 @@
 //! The components of a composite machine, as a kernel has them.
 //!
-//! *Invariant:* a channel works with one component at a time. The macros of the others stay as they were left; what the machine
-//! itself remembers (positions, tools, offsets, spindles) is the channel's. Variables of programs and interpreters belong to the
-//! pre-processors of the channel: components with the same one share them. Facts: reference control-emulator.md 8.3.
+//! *Invariant:* a channel works with one component at a time. The macros of the other components stay as they were
+//! left; the memory of the machine itself (positions, tools, offsets, spindles) belongs to the channel. Variables of
+//! programs and interpreters belong to the pre-processors of the channel: components with the same pre-processor share
+//! them. Facts: reference control-emulator.md 8.3.
 
 use std::sync::Arc;
 

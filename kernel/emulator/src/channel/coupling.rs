@@ -1,10 +1,10 @@
 //! Axes of two channels that are coupled: the actions of both channels when they meet at the code, and the limits of a
 //! coupled axis.
 //!
-//! Facts: Fanuc synchronous, composite and superimposed control; the alarms are those of its alarm list. Decisions: how far each
-//! channel has commanded its axis reaches the other one where both meet, at the codes and at other barriers; a channel sees its
-//! slave where that was. *Invariant:* what channels let each other know goes through shared operations before and after a barrier
-//! of both, so it depends on simulated time alone.
+//! Facts: Fanuc synchronous, composite and superimposed control; the alarms are those of its alarm list. Decisions: the
+//! commanded distance of each axis reaches the other channel where both meet, at the codes and at other barriers; a
+//! channel sees its slave in the position of that moment. *Invariant:* coupled channels exchange data through shared
+//! operations before and after a barrier of both, so the data depend on simulated time alone.
 
 use counterpoint_event::event::Kind as Logged;
 use counterpoint_event::event::{Carried, Position, Primitive};
@@ -50,7 +50,8 @@ impl Meeting {
 }
 
 impl Kernel<'_> {
-    /// Couples an axis of this channel with one of another channel. The same synchronous pair again changes what is parked.
+    /// Couples an axis of this channel with one of another channel. The same synchronous pair again only changes the
+    /// parked axes.
     pub(crate) fn couple(&mut self, pair: Pair, parking: Parking) -> Acted {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
         let Some(slot) = self.channel.state.place.layout.axes.find(|axis| axis.machine == own.axis) else {
@@ -116,7 +117,7 @@ impl Kernel<'_> {
         self.shared(|order| order.shared.coupled.get(&key).copied().unwrap_or_default())
     }
 
-    /// Where the own axis of a pair stands, and what has been commanded since it was coupled.
+    /// Position of the own axis of a pair, and the distance commanded since the coupling.
     pub(super) fn stand_of(&self, pair: &Pair, own: End) -> Stand {
         let layout = &self.channel.state.place.layout;
         let Some(slot) = layout.axes.find(|axis| axis.machine == own.axis) else { return Stand::default() };

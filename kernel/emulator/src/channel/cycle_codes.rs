@@ -37,7 +37,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A macro of a cycle is running: what it gives the control are the moves of that cycle.
+    /// Whether a macro of a cycle is running: its blocks are the moves of that cycle.
     fn inside_cycle_macro(&self) -> bool {
         let calls = self.macros.calls.running.as_slice();
         calls.iter().any(|call| match &call.task {

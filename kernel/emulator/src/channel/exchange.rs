@@ -103,7 +103,7 @@ impl Kernel<'_> {
         self.alarm(&diag::AXIS_NOT_HELD, text)
     }
 
-    /// Takes what another channel holds, after a move that is under way there.
+    /// Takes a resource that another channel holds, after a move in progress there.
     fn take_lease(&mut self, wait: Wait) -> Acted {
         let tag = self.tag();
         let taken = self.shared(|order| order.take(tag, wait.key))?;

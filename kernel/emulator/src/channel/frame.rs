@@ -1,6 +1,6 @@
 //! The work frame of a channel changes: presets, work offsets, tool offsets, length compensation.
 //!
-//! *Invariant:* changing the frame never moves the machine; the programmed position is what changes.
+//! *Invariant:* changing the frame never moves the machine; only the programmed position changes.
 
 use super::Kernel;
 use crate::state::clamps::Modulo;
@@ -81,8 +81,8 @@ impl Kernel<'_> {
         self.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
     }
 
-    /// Everything between the program and the axes is as at the begin of a job, but for what offsets say; the machine
-    /// stands still.
+    /// Resets the transformations between program and axes to those at the start of a job, except for offsets; the
+    /// machine does not move.
     pub(crate) fn forget_frame(&mut self) {
         if self.channel.end_tip() {
             self.emit(0, Kind::mode("rtcp off"));

@@ -22,7 +22,7 @@ pub(crate) enum Origin {
     Items,
 }
 
-/// What becomes of a block after it has been edited.
+/// Treatment of a block after it has been edited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Edited {
     /// Nothing is left of it.
@@ -59,7 +59,7 @@ pub(crate) struct BlockHooks {
     pub(crate) preprocessed: fn(&mut Kernel<'_>) -> Acted,
     /// Pre-Processor Shutdown for words that the pre-processor made.
     pub(crate) made: fn(&mut Kernel<'_>) -> Acted,
-    /// Pre-Processor Shutdown for a text that the pre-processor left, and what becomes of that text.
+    /// Pre-Processor Shutdown for a text that the pre-processor left; decides about that text.
     pub(crate) left: fn(&mut Kernel<'_>, &str) -> Acted,
     /// Comments and messages of a statement, before it is executed.
     pub(crate) statement: fn(&mut Kernel<'_>, &[u8]) -> Acted,

@@ -13,7 +13,7 @@ use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::rows::Modality;
 use counterpoint_machine::tables::form_range;
 
-/// What a kept block asks for at its end.
+/// Request of a kept block at its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Leads {
     /// Nothing: the head of a program.
@@ -29,7 +29,7 @@ enum Leads {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct KnownBlock {
     line: (FileId, u32),
-    /// What codes did when it was kept.
+    /// Actions of the codes when the block was kept.
     actions: &'static Actions,
     leads: Leads,
     sequence: Option<u32>,
@@ -59,7 +59,7 @@ impl Kernel<'_> {
         (alone && std::ptr::eq(known.actions, self.plan.actions)).then_some(known)
     }
 
-    /// Does what a kept block does, up to what it asks for at its end.
+    /// Executes a kept block, up to its request at the end.
     #[inline(always)]
     pub(crate) fn lead_on(&mut self, known: &KnownBlock) {
         self.channel.block.clear();

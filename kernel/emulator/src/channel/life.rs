@@ -246,7 +246,7 @@ impl Kernel<'_> {
         Err(self.limit(&reason, Some(limit)))
     }
 
-    /// Stops the whole job here, at a limit or because it can never continue, and says who was doing what.
+    /// Stops the whole job here, at a limit or because it can never continue, and reports the activity of each channel.
     pub(crate) fn limit(&mut self, reason: &str, limit: Option<Limit>) -> Halt {
         self.stop_all(reason, limit, self.channel.at.line)
     }

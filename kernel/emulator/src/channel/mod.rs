@@ -1,7 +1,7 @@
 //! One kernel: runs the program of one channel block by block.
 //!
-//! Facts: reference control-emulator.md 2 (processing order). Invariants: the clock never goes back; whatever other
-//! channels can see or change goes through a shared operation at the kernel's tag; in the steady state a block
+//! Facts: reference control-emulator.md 2 (processing order). Invariants: the clock never goes back; every access to
+//! data that other channels can see or change is a shared operation at the kernel's tag; in the steady state a block
 //! allocates nothing.
 
 pub(crate) mod access;
@@ -72,7 +72,7 @@ use counterpoint_sync::tag::Tag;
 
 /// The kernel of one channel.
 pub struct Kernel<'a> {
-    /// What actions see: the block, where the kernel is, what it remembers.
+    /// The view of actions: the block, the position of the kernel, its memory.
     pub channel: Channel<'a>,
     /// The ways out of the kernel.
     pub ports: Ports<'a>,
@@ -187,7 +187,7 @@ impl Kernel<'_> {
         self.ports.emitter.flush(upto);
     }
 
-    /// Runs an operation on what the channels share, in tag order.
+    /// Runs an operation on the data that channels share, in tag order.
     ///
     /// # Errors
     /// When the job was stopped before.

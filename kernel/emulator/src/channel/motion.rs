@@ -125,7 +125,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// What a circle in the direction of this move needs of it.
+    /// Data of this move for a circle tangent to it.
     fn last_move(&self, motion: &Motion) -> LastMove {
         let turn = match motion.kind {
             MotionKind::ArcCw => Some(-1.0),

@@ -1,7 +1,8 @@
 //! Moves at feed in continuous mode: when they are timed, and when their events leave.
 //!
-//! *Invariants:* what other channels can see happens at rest, except what follows the speed of a spindle; the clock is set only
-//! between blocks or at rest, never while an action measures time with it. Facts and decisions: docs/emulation.md, "Time".
+//! *Invariants:* events that other channels can see happen at rest, except those that follow the speed of a spindle;
+//! the clock is set only between blocks or at rest, never while an action measures time with it. Facts and decisions:
+//! docs/emulation.md, "Time".
 
 use counterpoint_event::event::{Event, Kind, Motion, MotionKind};
 use counterpoint_machine::ident::codes;
@@ -119,7 +120,7 @@ impl Kernel<'_> {
         self.ports.emitter.holds_back(count);
     }
 
-    /// Before a block: times what can be timed; if that is all, the clock is set.
+    /// Before a block: times the moves that can be timed; if these are all moves, the clock is set.
     #[inline(always)]
     pub(crate) fn keep_pace(&mut self) {
         if self.channel.pace.as_ref().is_some_and(|pace| pace.is_active()) {
@@ -154,7 +155,7 @@ impl Kernel<'_> {
         self.set_clock();
     }
 
-    /// Sets the clock to what the moves have taken, and with it what compensation holds back.
+    /// Sets the clock to the end of the timed moves, and with it the moves that compensation holds back.
     fn set_clock(&mut self) {
         let Some(pace) = &mut self.channel.pace else { return };
         pace.shift();

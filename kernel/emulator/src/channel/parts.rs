@@ -50,7 +50,7 @@ impl DialectState {
     }
 }
 
-/// What a kernel is given when it is made.
+/// Data with which a kernel is made.
 pub struct Setup<'a> {
     /// The subject of the run.
     pub env: Environment<'a>,

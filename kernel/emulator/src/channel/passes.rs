@@ -1,8 +1,8 @@
 //! Passes of loops: a pass that takes no time costs a tick, and one that only polls may be hopeless.
 //!
-//! A loop is known by its jump back. *Invariant:* time passes in every loop that takes none, regardless of the loops,
-//! calls or jumps lie inside it. A kernel whose passes are all alike rests; what it leaves out would have had no
-//! effect but time. Facts: reference channel-synchronisation.md (polling), control-emulator.md 5.7.
+//! A loop is identified by its jump back. *Invariant:* time passes in every loop that takes none, regardless of the
+//! loops, calls or jumps inside it. A kernel whose passes are all alike rests; the passes that it skips would only have
+//! taken time. Facts: reference channel-synchronisation.md (polling), control-emulator.md 5.7.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use counterpoint_sync::races::Variable;
 /// Loops that are remembered at a time. After as many jumps back without time a tick passes in any case.
 const MOST: usize = 32;
 
-/// What identifies a loop: file, first line, line of the jump back.
+/// Identity of a loop: file, first line, line of the jump back.
 type Key = (FileId, u32, u32);
 
 /// A loop as seen by its last jump back.
@@ -39,7 +39,8 @@ pub(crate) struct Pass {
     reads: u64,
     /// Macro steps until then.
     steps: u64,
-    /// If nothing has happened but reading: changes of what is shared until then, and the print of the channel's own state.
+    /// If nothing has happened but reading: the changes of shared data until then, and the print of the channel's own
+    /// state.
     begun: Option<(u64, u64)>,
 }
 
@@ -77,7 +78,7 @@ impl Passes {
         self.loops.iter_mut().for_each(|pass| pass.ticks += ns);
     }
 
-    /// What is shared is read; doors that lead to no variable do not count.
+    /// Shared data are read; accesses that lead to no variable do not count.
     pub(crate) fn polls(&mut self, door: Door<'_>) {
         let known = self.variables.iter().position(|known| door.leads_to(known));
         let Some(place) = known.or_else(|| self.note(door.variable()?)) else { return };
@@ -134,8 +135,8 @@ impl Passes {
         self.jumps += 1;
     }
 
-    /// The loop jumps back at this clock: what it was at its last jump, if it is known. Loops inside it are forgotten:
-    /// they begin again.
+    /// The loop jumps back at this clock. Returns the clock of its last jump, if known. Loops inside it are forgotten:
+    /// they start again.
     fn jump(&mut self, key: Key, depth: usize, clock: i64) -> Option<Pass> {
         let (effects, reads) = (std::mem::take(&mut self.effects), std::mem::take(&mut self.reads));
         self.changes = false;
@@ -193,7 +194,7 @@ impl Kernel<'_> {
             next.count = pass.count + 1;
             let mut every = None;
             if pass.reads != 0 && !pass.effects && !self.ports.coordinator.is_single() {
-                // What others change is seen at its time: no move waits for such a loop.
+                // Changes by other channels are seen at their time, so no move waits for such a loop.
                 self.flush_lookahead()?;
             }
             if pass.clock == self.channel.at.clock {
@@ -202,7 +203,7 @@ impl Kernel<'_> {
                 every = Some(tick);
             }
             if pass.reads != 0 {
-                // A tick is not progress, unless the loop looks at what others may change.
+                // A tick is not progress, unless the loop reads data that other channels may change.
                 self.channel.at.idle_blocks = 0;
             }
             let waits = pass.clock + pass.ticks == self.channel.at.clock;
@@ -272,7 +273,8 @@ impl Kernel<'_> {
         names
     }
 
-    /// Print of what decides where the channel goes besides what it reads: its variables, and the repeats of its programs.
+    /// Print of the state that determines the course of the channel besides the shared data: its variables, and the
+    /// repeats of its programs.
     fn own_print(&self) -> u64 {
         let repeats = self.flow.frames.iter().filter(|frame| frame.repeats > 0);
         repeats.fold(self.dialect.variables.print(), |all, frame| {

@@ -28,7 +28,7 @@ pub struct Plan {
     /// Where the macros of the machine take part; none on a machine without macros.
     pub(crate) hooks: Option<&'static HookPoints>,
     pub(crate) scanner: Scanner,
-    /// For what the pre-processor of another control leaves: it has seen to the marks of block skip.
+    /// For text left by the pre-processor of another control, which has treated the marks of block skip.
     pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Action of each code row.
     pub(crate) action_of_row: Table<CodeRowId, Option<&'static dyn Action>>,
@@ -43,7 +43,7 @@ pub struct Plan {
     pub(crate) edits: Edits,
     /// The effect of its blocks beyond their words.
     pub(crate) rules: Rules,
-    /// What becomes of motions where they are not simply made: the macros of the machine see them, or they are recorded.
+    /// Treatment of motions that are not simply made: the macros of the machine see them, or they are recorded.
     pub(crate) motion: Option<fn(&mut Kernel<'_>, f64, &Motion) -> Acted>,
     /// The plan by which contour blocks are read; none on machines without cycles that read them.
     pub(crate) reading: Option<Box<Plan>>,
@@ -346,7 +346,7 @@ fn steps(machine: &Machine) -> Option<Table<RegisterId, [f64; 2]>> {
     machine.habits.rounded.then(|| machine.registers.map(of))
 }
 
-/// A data row, cut down to what taking a value needs.
+/// A data row, reduced to the fields for taking a value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Source {
     pub(crate) register: RegisterId,

@@ -14,7 +14,7 @@ use counterpoint_machine::rows::CodeRow;
 use counterpoint_machine::tables::form_range;
 use counterpoint_program::block::{Block, PendingCode};
 
-/// The rules of a machine, by what they look for.
+/// The rules of a machine, by their subjects.
 #[derive(Debug)]
 pub(crate) struct Refusals {
     /// Rules that look for each code row, bit by rule.
@@ -27,7 +27,7 @@ pub(crate) struct Refusals {
     rigid: u64,
     /// The same while the path is on a face or a cylinder: these rules test every circle and rapid move.
     wrapped: u64,
-    /// What each of the first 63 rules wants of the words of a block.
+    /// Conditions of the first 63 rules for the words of a block.
     words: Vec<Words>,
 }
 
@@ -37,7 +37,7 @@ const NOTHING: f64 = 0.000_1;
 /// Stands among the registers of a block for a rule that looks for none; no register has this bit.
 const ANY_BLOCK: u128 = 1 << 127;
 
-/// What a rule wants of the words of a block, bit by register.
+/// Condition of a rule for the words of a block, bit by register.
 #[derive(Debug)]
 struct Words {
     /// One of these is there.
@@ -118,7 +118,7 @@ fn bit(rule: usize) -> u64 {
     1 << rule.min(63)
 }
 
-/// Some value of the row is what the rule names.
+/// Whether some value of the row is named by the rule.
 fn may_be(code: &Written, row: &CodeRow) -> bool {
     match *code {
         Written::Id(id) => row.id == id,
@@ -224,7 +224,7 @@ impl Kernel<'_> {
         rule.word.as_ref().is_none_or(|word| self.is_wrong(word)) && self.has_state(rule)
     }
 
-    /// A code of the block is one of the rule, and what is active is as it wants it.
+    /// Whether a code of the block is one of the rule, and the active codes satisfy the rule.
     fn has_state(&self, rule: &Refusal) -> bool {
         let mut pending = self
             .channel
@@ -264,7 +264,7 @@ impl Kernel<'_> {
         wrong || rule.most.is_some_and(|most| count > usize::from(most))
     }
 
-    /// The word is a number with a decimal point; what an expression has is not written.
+    /// Whether the word is a number with a decimal point; a point within an expression does not count.
     #[cold]
     fn is_written_with_point(&self, (start, end): (u32, u32)) -> bool {
         let text = self.current_text().get(start as usize..end as usize).unwrap_or_default();
@@ -277,7 +277,7 @@ impl Kernel<'_> {
             Written::Id(id) => row.id == id,
             Written::Word { register, min, max } => {
                 let own = form_range(&row.form).filter(|(own, ..)| *own == register);
-                // What is not written has the value of its row.
+                // An omitted value has the value of its row.
                 own.is_some_and(|(_, first, _)| {
                     (min..=max).contains(if pending.modal { &first } else { &pending.value })
                 })

@@ -17,7 +17,7 @@ impl Kernel<'_> {
     /// nothing but alarms. A diagnostic that is an alarm of the control stops the channel before the next code acts.
     pub fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
         if facts.alarm && self.ports.control.cancelled() {
-            // What was looked for may not have been looked for everywhere.
+            // The program may not have been searched for everywhere.
             return;
         }
         let stops = self.channel.stops_at(facts);
@@ -28,7 +28,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Reports text of a block that nothing recognises; `place` is the block in quotes, and what may be wrong with it.
+    /// Reports unrecognised text of a block; `place` is the block in quotes, and possible mistakes in it.
     pub(crate) fn report_unrecognised(&mut self, text: &str, place: String) {
         let about = Unrecognised { text: text.into(), place: place.into() };
         let message = about.to_string();
@@ -77,13 +77,13 @@ impl Kernel<'_> {
         }
     }
 
-    /// Logs an alarm of the control and returns what it does: the channel stops, or the rest of the block is dropped.
+    /// Logs an alarm of the control and returns its effect: the channel stops, or the rest of the block is dropped.
     pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
         self.halted(if self.channel.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
     }
 
-    /// What ends a block, unless the job is to end: then nothing is an alarm any more.
+    /// The halt that ends a block; if the job is to end, nothing is an alarm any more.
     fn halted(&self, halt: Halt) -> Halt {
         if self.ports.control.cancelled() { Halt::Stopped } else { halt }
     }
@@ -108,7 +108,7 @@ impl Kernel<'_> {
         self.halted(Halt::Alarm)
     }
 
-    /// An alarm that the machine continues from ends its block; what the block had asked for before still happens.
+    /// An alarm after which the machine continues ends its block; earlier requests of the block are still executed.
     #[inline(always)]
     pub(crate) fn went_on(&mut self, done: Acted) -> Acted {
         if done == Err(Halt::Dropped) { self.goes_on() } else { done }

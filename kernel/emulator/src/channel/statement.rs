@@ -1,7 +1,7 @@
 //! Statements: blocks for the interpreter of the control.
 //!
-//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* what an interpreter leaves is words on the block, or
-//! a text that is split into words as any block is; on a kernel with macros it continues to Pre-Processor Shutdown.
+//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* an interpreter leaves words in the block, or a
+//! text that is split into words as any block is; on a kernel with macros the text continues to Pre-Processor Shutdown.
 
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// What an interpreter has left of a block acts.
+    /// Executes the words or the text that an interpreter has left of a block.
     fn remains(&mut self, remaining: Remaining, text: &[u8]) -> Acted {
         match remaining {
             Remaining::Nothing => Ok(()),

@@ -29,7 +29,7 @@ const LARGEST_OFFSET: f64 = 9_999.999_9;
 /// Bit of the inch system among the settings.
 const INCH: u32 = 4;
 
-/// What a channel keeps of its system variables.
+/// State of a channel's system variables.
 #[derive(Debug, Default)]
 pub(crate) struct SystemValues {
     /// Values by number, where programs have set one or the machine starts with one.
@@ -132,7 +132,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// What a row shows; none if the channel does not have it.
+    /// Value that a row shows; none if the channel does not have it.
     fn shown(&self, means: &Means, number: u32, at: u32) -> Option<f64> {
         let variables = &self.channel.env.machine.variables.system;
         let kept = &self.dialect.variables.system;

@@ -25,7 +25,7 @@ enum Limits {
     Area,
 }
 
-/// What a place may be beyond the limits by rounding.
+/// Distance beyond the limits that counts as rounding.
 const NOISE: f64 = 1e-9;
 
 impl Kernel<'_> {

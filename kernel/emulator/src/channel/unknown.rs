@@ -1,9 +1,9 @@
 //! Words and text of a block that nothing recognises.
 //!
-//! Facts: reference control-emulator.md 2.2 step 12 (the emulated system diagnoses what is left and continues);
+//! Facts: reference control-emulator.md 2.2 step 12 (the emulated system diagnoses the remaining text and continues);
 //! fanuc-variables-and-alarms.md 3 (PS0009, PS0010: no part of the block acts); siemens-cycles.md 6 (12470, 12550).
-//! Decision: `[control] unknown_code` says which of the two a machine does. *Invariant:* where they are alarms, no part of the
-//! block has acted, unless a macro after the block may still recognise its text.
+//! Decision: `[control] unknown_code` selects one of the two. *Invariant:* where they are alarms, no part of the block
+//! has acted, unless a macro after the block may still recognise its text.
 
 use super::Kernel;
 use super::letter_zero::letter_for_zero;
@@ -20,7 +20,7 @@ use rustc_hash::FxHashSet;
 const MOST: usize = 60;
 
 impl Kernel<'_> {
-    /// Looks at what nothing knows before anything of the block acts.
+    /// Checks for unknown text before anything of the block acts.
     #[inline(always)]
     pub(crate) fn check_known(&mut self) -> Acted {
         if self.channel.block.has_remarks() { self.report_remarks() } else { self.channel.check_stop() }
@@ -121,7 +121,7 @@ impl Kernel<'_> {
         codes && text.get(1..).is_some_and(|rest| rest.trim_start().starts_with(|c: char| c.is_ascii_digit()))
     }
 
-    /// The alarm of the control for what it does not know.
+    /// The control's alarm for unknown text.
     fn not_known(&self, text: &str) -> (&'static Facts, String) {
         let text = shortened(text);
         let is_g = text.starts_with(['G', 'g']);

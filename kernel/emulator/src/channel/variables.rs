@@ -27,7 +27,7 @@ pub(crate) struct ChannelVariables {
     writes: u64,
     /// Separate variables that the channel has read without a value, and written; kept if other channels also run.
     pub(super) uses: Uses,
-    /// What has no value, and what does not exist, is 0.
+    /// Variables without a value, and variables that do not exist, are 0.
     pub(super) reads_zero: bool,
     /// System variables that programs write keep their values; otherwise the identification macro is asked where to write
     /// them.
@@ -115,7 +115,7 @@ impl ChannelVariables {
         self.print ^= print(index, before) ^ print(index, value);
     }
 
-    /// Print of what the running program can see: equal while all values are.
+    /// Print of the variables that the running program can see: equal while all values are.
     pub(crate) fn print(&self) -> u64 {
         let locals = self.calls.here().iter().zip(0..);
         locals.fold(self.print, |all, (value, index)| all ^ print(index, *value))

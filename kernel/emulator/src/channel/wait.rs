@@ -1,7 +1,7 @@
 //! Waits of a channel for others, and acts that let others continue.
 //!
-//! Facts: reference channel-synchronisation.md 1.0 to 1.9. *Invariant:* a kernel waits only here and in shared operations; what
-//! a wait means is the business of `sync`.
+//! Facts: reference channel-synchronisation.md 1.0 to 1.9. *Invariant:* a kernel waits only here and in shared
+//! operations; `sync` defines the meaning of a wait.
 
 use std::sync::Arc;
 
@@ -288,7 +288,7 @@ fn arrive(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
     }
 }
 
-/// Continues at once if what is waited for has happened, without an entry in the list of sync points; waits otherwise.
+/// Continues at once if the expected event has happened, without an entry in the list of sync points; waits otherwise.
 ///
 /// Gives the values that came with signals that were there.
 fn wait_unless_over(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Result<Option<Vec<Letter>>, Halt> {
@@ -331,7 +331,7 @@ fn wait_for_signals(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Result<Vec<Let
     kernel.shared(|order| order.waits.letters(channel))
 }
 
-/// Does what an arrival means that leaves nothing to wait for.
+/// Executes the effect of an arrival that leaves nothing to wait for.
 fn follow(kernel: &mut Kernel<'_>, after: After, logged: &Logged) -> Acted {
     match after {
         After::Go { t, micro, sync_point, short } => {
@@ -406,7 +406,7 @@ fn report_short(kernel: &mut Kernel<'_>, short: bool) {
     }
 }
 
-/// Logs what the channel does at a mark without waiting.
+/// Logs the act of the channel at a mark without waiting.
 fn show(kernel: &mut Kernel<'_>, wait: &wait::Wait, what: &str) {
     let text = kernel.channel.reports.waits.rules.text(wait);
     kernel.emit(0, Kind::mode(format!("sync mark={text} {what}")));

@@ -19,7 +19,7 @@ use counterpoint_machine::rows::Point;
 use counterpoint_program::scan::Scanner;
 
 impl Kernel<'_> {
-    /// A text becomes the block: a line of the file, or what EXEC issued.
+    /// A text becomes the block: a line of the file, or a block that EXEC issued.
     pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
         let runtime = &mut *self.macros;
         runtime.block.begin(text);
@@ -108,7 +108,7 @@ impl Kernel<'_> {
         self.words()
     }
 
-    /// Words as text: what the pre-processor made of its template.
+    /// Words as text: the template as changed by the pre-processor.
     fn write_block(&mut self) {
         let mut text = String::new();
         if let Some(number) = self.channel.block.sequence {
@@ -151,7 +151,8 @@ impl Kernel<'_> {
         self.macros.reading.switched.clone()
     }
 
-    /// The scanner for the text of the block in process, if not the plan's: what the pre-processor made undergoes no block delete.
+    /// The scanner for the text of the block in process, if not the plan's: text made by the pre-processor undergoes no
+    /// block delete.
     #[inline]
     pub(crate) fn block_scanner(&self) -> Option<Arc<Scanner>> {
         self.plan.hooks?;
@@ -276,7 +277,7 @@ impl Kernel<'_> {
         }))
     }
 
-    /// Text that nothing has recognised, or what a macro left in its place.
+    /// Unrecognised text, or the text that a macro left in its place.
     pub(crate) fn left_text(&self) -> String {
         if let Some(text) = self.macros.block.unrecognised.as_ref() {
             return text.as_ref().clone();
@@ -296,7 +297,7 @@ impl Kernel<'_> {
     }
 }
 
-/// What a block macro decided.
+/// Decision of a block macro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Verdict {
     /// The block continues as it is.

@@ -52,7 +52,7 @@ impl Kernel<'_> {
         if origin == Origin::Text { self.block_shutdown() } else { Ok(()) }
     }
 
-    /// Data that macros added and nothing took; then what they found out about the program.
+    /// Drops data that macros added and no code took; then reports the pending findings of macros about the program.
     pub(crate) fn drop_added_data(&mut self) -> Acted {
         self.report_withheld();
         self.added_leftovers();
@@ -77,12 +77,12 @@ impl Kernel<'_> {
         own.copied().flatten()
     }
 
-    /// What macros found out inside a place that could not leave the program.
+    /// Halts that macros raised in a place that could not leave the program.
     pub(crate) fn pending_halt(&mut self) -> Acted {
         self.macros.calls.pending().map_or(Ok(()), Err)
     }
 
-    /// Codes that data fire: motion by added axis values, and what `$FCEDAC` has set up.
+    /// Codes that data fire: motion by added axis values, and the codes set up by `$FCEDAC`.
     pub(crate) fn imply_by_data(&mut self) {
         if self.adds_motion() && !self.group_queued(group::MOTION) && !self.channel.has_any(self.plan.registers.motion)
         {

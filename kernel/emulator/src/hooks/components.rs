@@ -1,9 +1,9 @@
 //! A channel of a composite machine changes its component: `$FAPPLY`.
 //!
-//! Facts: reference control-emulator.md 8.3, functions.md 9. Decisions: the change takes place before the next block, after what
-//! the macros of the block in process still do; the component's Declaration runs when it is first in work; modal codes that
-//! the new component has in the same group stay active, all others are those that it begins with, and no canned cycle
-//! stays active; blocks that EXEC/NEXT has left for later are those of the new component.
+//! Facts: reference control-emulator.md 8.3, functions.md 9. Decisions: the change takes place before the next block,
+//! after the remaining actions of the macros of the block in process. The component's Declaration runs when it is first
+//! active. Modal codes that the new component has in the same group stay active, all others are its initial codes, and
+//! no canned cycle stays active. Blocks that EXEC/NEXT has queued are those of the new component.
 
 use counterpoint_dialect::Loops;
 use counterpoint_event::event::Kind;
@@ -136,7 +136,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// The state as the new definition has it; what the machine itself remembers stays.
+    /// Adapts the state to the new definition; the memory of the machine itself stays.
     fn fit_state(&mut self, before: &Machine) {
         let machine = self.channel.env.machine;
         let old = std::mem::replace(&mut self.channel.state.modal, Modal::new());

@@ -145,7 +145,7 @@ impl Kernel<'_> {
         (self.plan.actions.change_straight)(self, motion, rapid, to)
     }
 
-    /// The end of a motion with what the macro has changed.
+    /// The end of a motion with the changes of the macro.
     fn changed_end(&mut self, motion: &Motion, end: Option<&Value>) -> Position {
         let mut to = motion.to;
         let runtime = &*self.macros;
@@ -249,7 +249,7 @@ impl Kernel<'_> {
         self.note_travel(motion);
     }
 
-    /// Writes down what moves at feed have taken beyond the time of their lengths, ns.
+    /// Records the time of moves at feed beyond that of their lengths, ns.
     pub(crate) fn book_more(&mut self, ns: i64) {
         let (store, seconds) = (&mut self.macros.variables.store, ns as f64 / 1e9);
         if let Some(time) = store.times.first_mut() {

@@ -1,6 +1,6 @@
 //! Blocks that macros issue: EXEC processes one within the block in process, EXEC/NEXT leaves one for later.
 //!
-//! *Invariant:* what is left on the block around them stays. Facts: reference control-emulator.md 4.4.
+//! *Invariant:* words left in the block around them stay. Facts: reference control-emulator.md 4.4.
 
 use std::sync::Arc;
 
@@ -75,7 +75,7 @@ impl Kernel<'_> {
         done
     }
 
-    /// Processes a block inside another one, which keeps what is left on it.
+    /// Processes a block inside another block, which keeps its remaining words.
     pub(crate) fn nested_block(&mut self, process: impl FnOnce(&mut Self) -> Acted) -> Acted {
         let outer = self.enter_block();
         // A block within a block is one, too.

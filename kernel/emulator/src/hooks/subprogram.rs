@@ -161,7 +161,7 @@ impl Kernel<'_> {
         let ticks = runtime.calls.ticks(None);
         let mut done = self.follow();
         while done.is_ok() && self.flow.frames.len() > level {
-            // Its blocks are blocks of the program: they do not use up what the macro that calls may take.
+            // Its blocks are blocks of the program: they do not use up the budget of the calling macro.
             self.macros.calls.ticks(Some(TICKS));
             done = self.step();
         }
@@ -169,14 +169,14 @@ impl Kernel<'_> {
         let runtime = &mut *self.macros;
         runtime.calls.ticks(ticks);
         runtime.hooks.matching = matching;
-        // What its last block left for later comes after what was left before.
+        // Blocks that its last block queued come after those queued before.
         let own = std::mem::replace(&mut runtime.issued.later, later);
         runtime.issued.later.extend(own);
         done
     }
 
-    /// What would end the run, or pull the text away from a pre-processor that is reading it, waits for the end of the
-    /// block that was interrupted.
+    /// Whether a return may happen at once: one that would end the run, or pull the text away from a pre-processor that
+    /// is reading it, waits for the end of the interrupted block.
     fn may_return_at_once(&self, target: Option<u32>) -> bool {
         let has_interpreter = self.plan.scanner.syntax().needs_interpreter.is_some();
         let reading = has_interpreter && self.dialect.interpreter.is_none();

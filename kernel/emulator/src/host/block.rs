@@ -1,6 +1,7 @@
 //! The block in process as macros see it: its codes, its data, the active codes.
 //!
-//! Facts: reference functions.md 9. *Invariant:* what a macro takes is gone for the actions, what it adds they find.
+//! Facts: reference functions.md 9. *Invariant:* actions do not find data that a macro takes, and find data that it
+//! adds.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
@@ -67,7 +68,7 @@ impl Kernel<'_> {
     pub(crate) fn add_code(&mut self, id: CodeId, value: f64) -> bool {
         let Some(row) = self.row_of_code(id) else { return false };
         let facts = &self.channel.env.machine.codes[row];
-        // The value is what the row's factor makes of it.
+        // The value is the number times the row's factor.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
         let pending = PendingCode { order: facts.order, row, value, modal: false, only_if_data_left: false };
         let next = self.channel.block.next.min(self.channel.block.pending.len());

@@ -1,7 +1,7 @@
 //! Diagnostics on a kernel with macros: severities, switches, counters, and the diagnostic event macro.
 //!
-//! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. *Invariant:* what the diagnostic macro itself raises goes
-//! straight to the log.
+//! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. *Invariant:* diagnostics raised by the diagnostic
+//! macro itself go straight to the log.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ fn shipped(number: u32) -> Option<(u8, &'static str)> {
     own.or_else(|| of_language(number))
 }
 
-/// The same for what the macro language raises.
+/// The same for diagnostics that the macro language raises.
 fn of_language(number: u32) -> Option<(u8, &'static str)> {
     TABLE.iter().find(|row| row.number.0 == number).map(|row| (row.severity, row.about))
 }
@@ -52,8 +52,8 @@ impl Kernel<'_> {
         Some((severity, text))
     }
 
-    /// What the machine makes of a diagnostic of a macro: severity and text, none if it is not shown. The text of a
-    /// number that ERROR raises is made already.
+    /// Severity and text that the machine gives to a diagnostic of a macro; none if it is not shown. The text of a
+    /// number that ERROR raises is already complete.
     pub(crate) fn customised_of_macro(
         &mut self,
         number: Number,
@@ -68,8 +68,8 @@ impl Kernel<'_> {
         })
     }
 
-    /// The statement that raised a diagnostic. What ends a macro because of an error adds nothing to what the
-    /// error has reported.
+    /// The statement that raised a diagnostic. The end of a macro because of an error adds nothing to the report of the
+    /// error.
     pub(crate) fn origin_of(&self, diagnostic: &language::Diagnostic) -> Option<Box<Origin>> {
         if diagnostic.number == Number::TERMAC_GENERATED {
             return None;
@@ -150,7 +150,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Issues what `$P2`, `$P3` and `$P5` of the diagnostic macro say.
+    /// Issues the diagnostic in `$P2`, `$P3` and `$P5` of the diagnostic macro.
     pub(crate) fn output_diagnostic(&mut self, [index, severity, text]: &[Value; 3]) -> Outcome<()> {
         let wrong = |what: &str| Fault::new(Number(diag::MACRO_RESULT.number), format!("{what} of a diagnostic"));
         let index = number(Some(index)).ok_or_else(|| wrong("not a valid number"))?;

@@ -1,6 +1,6 @@
 //! `$FDIALOG`: the answers of the job go into the variables of the dialog's fields.
 //!
-//! Facts: reference control-emulator.md 7.4. Invariants: what a dialog writes keeps the type of the variable; a
+//! Facts: reference control-emulator.md 7.4. Invariants: a value that a dialog writes keeps the type of the variable; a
 //! dialog without an answer fails as in the background. Fields are bound to `%G00` to `%G99`, to GLOBAL and OBJECT
 //! variables that are declared by name, and to system variables; the local variables of a macro are its own.
 

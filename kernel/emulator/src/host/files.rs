@@ -1,6 +1,7 @@
 //! Files of macros: files of the job and of the machine are read, and written files become results of the job.
 //!
-//! *Invariant:* what a kernel finds in a file depends on simulated time only, never on who was faster.
+//! *Invariant:* the content that a kernel finds in a file depends on simulated time only, never on the speed of
+//! threads.
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;
@@ -32,8 +33,8 @@ impl Kernel<'_> {
         self.with_files(|folder, shelf| folder.function(shelf, state, (function, arguments), &program))
     }
 
-    /// Closes the units that are open when the kernel comes to its end, and removes its temporary files. What a kernel
-    /// that was stopped had open is lost: how far it got is chance.
+    /// Closes the units that are open at the end of the kernel, and removes its temporary files. Units of a stopped
+    /// kernel are lost: its progress is random.
     pub fn close_files(&mut self, halt: Halt) {
         let runtime = &mut *self.macros;
         let Some(mut state) = runtime.calls.take_state() else { return };

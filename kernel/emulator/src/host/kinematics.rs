@@ -1,7 +1,7 @@
 //! `$FDK`, `$FIK`, `$FKINCFG`, `$FKINROT`: the rotary axes of the channel as functions of macros.
 //!
-//! Facts: reference functions.md 10. Machine positions are those of `$XM`, so neither tools nor fixtures count, but that the
-//! part lies where the fixture offset has put it. Decision: what cannot be reached is `$NULL`.
+//! Facts: reference functions.md 10. Machine positions are those of `$XM`, so neither tools nor fixtures count, except
+//! that the fixture offset has placed the part. Decision: a position that cannot be reached is `$NULL`.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};

@@ -11,7 +11,7 @@ use crate::state::clamps::Modulo;
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::AxisSlot;
 
-/// What a function names.
+/// Subject of a function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Named {
     /// The tool axis.
@@ -26,7 +26,7 @@ pub(crate) fn is(value: Option<&Value>, word: &str) -> bool {
     matches!(value, Some(Value::Keyword(code)) if minor_code(word) == Some(*code))
 }
 
-/// Refuses what can be neither an axis nor a setting of one.
+/// Refuses arguments that can be neither an axis nor a setting of one.
 pub(crate) fn only_axes(arguments: &[Value]) -> Outcome<&[Value]> {
     let fits = |value: &&Value| matches!(value, Value::Real(_) | Value::Keyword(_) | Value::Record(_));
     match arguments.iter().find(|value| !fits(value)) {

@@ -1,7 +1,7 @@
 //! SYSTEM: a command of the operating system, where the owner of the server allows it.
 //!
-//! Facts: reference macro-language.md 3.5. Decisions: it sees the files that macros see, in its current folder; what it
-//! changes counts from the instant of simulated time at which it was started; what it says comes as messages.
+//! Facts: reference macro-language.md 3.5. Decisions: the command sees the files that macros see, in its current
+//! folder; its changes count from the instant of simulated time at which it was started; its output comes as messages.
 
 use std::collections::BTreeMap;
 

@@ -1,8 +1,8 @@
 //! The tool table as macros see it: `$TLTAB`, `$TLSORT`, `$TI`.
 //!
-//! Facts: reference system-variables.md 13. Invariants: rows are kept in the order of the first loads, row 1 is not a tool;
-//! only what macros read and write is in the order of `$TLSORT`. Decisions: the rows are put in order when `$TLSORT` is
-//! assigned and when a tool is loaded; numbers come before texts, what has no value comes last, equals by their loads.
+//! Facts: reference system-variables.md 13. Invariants: rows are kept in the order of the first loads, row 1 is not a
+//! tool; only the view of macros is in the order of `$TLSORT`. Decisions: the rows are sorted when `$TLSORT` is
+//! assigned and when a tool is loaded; numbers come before texts, rows without a value last, equal rows by their loads.
 
 use std::cmp::Ordering;
 
@@ -50,7 +50,7 @@ impl Kernel<'_> {
         runtime.variables.store.element(names().tool_table, (column, at as i64 + 2))
     }
 
-    /// Fills the new row of a loaded tool with what the machine knows; what macros have written there stays.
+    /// Fills the new row of a loaded tool with the machine's data; values that macros have written there stay.
     pub(crate) fn fill_tool_row(&mut self, tool: u32, row: i64) {
         let facts = self.channel.env.machine.tool.facts(tool);
         let runtime = &mut *self.macros;

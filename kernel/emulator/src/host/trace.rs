@@ -93,7 +93,7 @@ impl Kernel<'_> {
         if named { 'M' } else { 'H' }
     }
 
-    /// Name of a macro; the one of tools has two, by what happens to the tool.
+    /// Name of a macro; the macro of tools has two, for selecting and for loading a tool.
     fn macro_name(&self, code: u16, selects: bool) -> &str {
         let macros = self.channel.env.machine.macros.as_deref();
         match macros.filter(|_| selects).and_then(|macros| macros.hook(Hook::Tool)) {

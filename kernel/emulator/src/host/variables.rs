@@ -1,8 +1,8 @@
 //! System variables of a running kernel, by index.
 //!
-//! *Invariant:* the table of what each index reads is made once from the names; while macros run nothing is looked up by
-//! name. What the kernel does not know itself is kept here with its first value. Facts: reference system-variables.md;
-//! positions and decisions: docs/emulation.md.
+//! *Invariant:* the table of the variable for each index is made once from the names; while macros run nothing is
+//! looked up by name. Values that the kernel does not have itself are kept here, with their initial values. Facts:
+//! reference system-variables.md; positions and decisions: docs/emulation.md.
 
 mod components;
 mod coolant;
@@ -80,7 +80,7 @@ fn pair(indices: &[i64]) -> (i64, i64) {
     (indices.first().copied().unwrap_or(0), indices.get(1).copied().unwrap_or(0))
 }
 
-/// Refuses indices outside what a variable has.
+/// Refuses indices beyond those of a variable.
 fn check_indices(variable: &Variable, indices: &[i64]) -> Outcome<()> {
     for (given, most) in indices.iter().zip(&variable.indices) {
         if *given < 1 || most.is_some_and(|most| *given > i64::from(most)) {

@@ -1,9 +1,10 @@
 //! A program is followed without being executed: its calls, its jumps and its acts for other channels, so that its waits can
 //! be judged before anything moves.
 //!
-//! Words between channels, calls and ends act as in a run; nothing else does, and no variable has a value. Where only a run
-//! could tell how the program continues, the channel is judged no further, and the place and the reason are said. *Invariant:*
-//! blocks take no time, the number of blocks that are read is bounded, and what is not known is never taken as good.
+//! Words between channels, calls and ends act as in a run; nothing else does, and no variable has a value. If only a
+//! run could decide how the program continues, the channel is checked no further, and the place and the reason are
+//! reported. *Invariant:* blocks take no time, the number of blocks that are read is bounded, and an unknown effect
+//! never counts as good.
 
 mod regions;
 mod statements;

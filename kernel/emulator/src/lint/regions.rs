@@ -1,7 +1,7 @@
 //! Parts of a program that a condition skips or repeats: whether other channels could notice them.
 //!
-//! *Invariant:* a part is searched line by line, regardless of its jumps; if they lead beyond it, the part grows. What
-//! cannot be known counts as something that others notice.
+//! *Invariant:* a part is searched line by line, regardless of its jumps; if they lead beyond it, the part grows. An
+//! effect that cannot be known counts as one that others notice.
 
 use std::sync::Arc;
 
@@ -27,20 +27,20 @@ pub(super) struct Part {
     pub(super) last: u32,
 }
 
-/// What a block of a part means for it.
+/// Meaning of a block for its part.
 enum Found {
     Nothing,
     /// Other channels could notice it, or this is unknown.
     Meets,
     /// It ends the program that it stands in.
     Ends,
-    /// It jumps; what is jumped over begins at the first of these lines or ends at the second.
+    /// It jumps; the skipped lines start at the first of these lines or end at the second.
     Jumps(Vec<(u32, u32)>),
 }
 
 impl Walk<'_, '_> {
-    /// Looks through a part of the running program, and what its jumps add to it. Whoever comes into a clear part leaves it
-    /// behind its last line.
+    /// Looks through a part of the running program, and the lines that its jumps add to it. A channel that enters a
+    /// clear part leaves it after its last line.
     pub(super) fn look_through(&mut self, mut part: Part) -> Result<Looked, Halt> {
         let stands = self.stand();
         let looked = loop {
@@ -53,7 +53,7 @@ impl Walk<'_, '_> {
         looked
     }
 
-    /// The first line of what is called that others could notice.
+    /// The first line of the called text that other channels could notice.
     pub(super) fn meets_in(&mut self, what: &Callee) -> Result<Option<u32>, Halt> {
         let found = match what {
             Callee::Program(_) | Callee::ProgramFrom(..) | Callee::Named(_) => self.kernel.find_program(what)?,
@@ -219,7 +219,7 @@ pub(super) fn before(target: Spot) -> u32 {
 
 /// The findings in a part.
 pub(super) enum Looked {
-    /// Nothing stands in it; with what its jumps add to it.
+    /// The part is clear; with the lines that its jumps add to it.
     Clear(Part),
     /// Something stands in this line.
     At(u32),

@@ -22,7 +22,7 @@ impl Walk<'_, '_> {
             let is_jump = matches!(step, Step::Jump(_));
             self.step(step, &computed)?;
             if is_jump {
-                // What stands behind it is not reached.
+                // Text after it is not reached.
                 return Ok(());
             }
         }
@@ -242,7 +242,7 @@ enum Given {
         waits: bool,
     },
     Axes(Vec<(String, Option<i64>)>),
-    /// Not what it needs.
+    /// The required data are missing.
     Nothing,
 }
 

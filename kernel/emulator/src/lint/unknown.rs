@@ -82,7 +82,7 @@ impl Walk<'_, '_> {
     }
 }
 
-/// What is known of a block besides its words.
+/// Known properties of a block besides its words.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Certain {
     /// It calls a program, to which its words are arguments.

@@ -44,7 +44,7 @@ pub(super) enum Meant {
     Call(Callee),
     /// They end the program.
     End,
-    /// They do something for others, or what they do is computed.
+    /// They act on other channels, or their effect is computed.
     Meet,
 }
 
@@ -57,7 +57,7 @@ impl Walk<'_, '_> {
         acted
     }
 
-    /// Splits a text into words; gives what the text of the block was.
+    /// Splits a text into words; returns the previous text of the block.
     pub(super) fn scan(&mut self, text: &[u8]) -> Option<Arc<[u8]>> {
         let read = self.kernel.channel.text.edited.replace(text.into());
         let plan = self.kernel.plan;
@@ -148,7 +148,7 @@ impl Walk<'_, '_> {
         register.is_some_and(|register| self.kernel.plan.registers.motion & register.bit() != 0)
     }
 
-    /// What the words of a text, or those on the block, would do.
+    /// Effect of the words of a text, or of those in the block.
     pub(super) fn meant(&mut self, text: Option<&[u8]>, computed: &[String]) -> Result<Meant, Halt> {
         let read = text.map(|text| self.scan(text));
         let meant = self.meant_by_block(computed);
@@ -199,7 +199,7 @@ impl Walk<'_, '_> {
     }
 }
 
-/// A word with this name says what a macro call calls, or how often.
+/// Whether a word with this name gives the program or the count of a macro call.
 fn is_of_call(name: &str) -> bool {
     matches!(name, "P" | "L")
 }

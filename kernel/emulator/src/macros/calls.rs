@@ -29,7 +29,7 @@ const MOST_NESTED: usize = 1000;
 /// Stack of a thread that runs macros, in bytes.
 pub const STACK: usize = 256 << 20;
 
-/// What OUTPUT does in a running macro.
+/// Action of OUTPUT in a running macro.
 #[derive(Debug, Clone)]
 pub(crate) enum Task {
     /// Nothing: startup, shutdown, data and identification macros.
@@ -46,7 +46,7 @@ pub(crate) enum Task {
     Head(f64, u32),
     /// A hole of a canned cycle is made.
     Cycle(Box<Hole>),
-    /// A diagnostic is issued: number, severity and text as they came, for what the macro does not look at.
+    /// A diagnostic is issued: number, severity and original text, for values that the macro does not read.
     Diagnostic(Arc<[Value; 3]>),
 }
 

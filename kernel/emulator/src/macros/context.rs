@@ -11,9 +11,9 @@ use counterpoint_machine::ident::{CodeId, DataId};
 pub(crate) struct BlockContext {
     /// Text if it is not the line of the file.
     pub(crate) text: Option<Arc<String>>,
-    /// Text in place of what nothing recognised, if a macro has set it.
+    /// Text in place of unrecognised text, if a macro has set it.
     pub(crate) unrecognised: Option<Arc<String>>,
-    /// The pre-processor has worked on it: what it takes off is gone.
+    /// The pre-processor has worked on it: text that it removes is gone.
     pub(crate) preprocessed: bool,
     /// The pre-processor has made its words, or has left its text.
     pub(crate) made: bool,
@@ -37,7 +37,7 @@ pub(crate) struct Withheld {
 }
 
 impl BlockContext {
-    /// Another text becomes the block: a line of the file, or what EXEC issued.
+    /// Another text becomes the block: a line of the file, or a block that EXEC issued.
     pub(crate) fn begin(&mut self, text: Option<Arc<String>>) {
         (self.text, self.unrecognised, self.made) = (text, None, false);
     }

@@ -12,7 +12,7 @@ pub(crate) struct Hooks {
     pub(crate) codes: Table<CodeMacroId, bool>,
     /// Data macros that are on.
     pub(crate) data: Table<DataMacroId, bool>,
-    /// What is processed now may match code and data macros.
+    /// Whether the text in process may match code and data macros.
     pub(crate) matching: bool,
 }
 

@@ -88,7 +88,7 @@ pub(crate) struct Outside {
     pub(crate) asked: Asked,
     /// Current folder, temporary files and open stores of values.
     pub(crate) folder: Folder,
-    /// The kernel comes to its end: what it writes is what it had open.
+    /// Whether the kernel is ending: then it only writes its open files.
     pub(crate) leaving: bool,
 }
 

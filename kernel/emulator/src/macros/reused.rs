@@ -1,7 +1,7 @@
 //! Values handed to macros again and again without allocating.
 //!
-//! *Invariant:* a value that is still referenced is never changed. A macro's frame keeps what it got until its next call,
-//! so of two values that take turns one is always free.
+//! *Invariant:* a value that is still referenced is never changed. A macro's frame keeps its arguments until its next
+//! call, so of two values that take turns one is always free.
 
 use std::sync::Arc;
 

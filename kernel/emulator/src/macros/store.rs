@@ -112,9 +112,9 @@ pub struct Store {
     /// Time of all motions and of all waiting, in nanoseconds.
     pub(crate) moving: i64,
     pub(crate) idle: i64,
-    /// What `$FCEPP` has set.
+    /// Settings made by `$FCEPP`.
     pub(crate) preprocessor: super::settings::Settings,
-    /// What may be set before Machine Startup ends is still open.
+    /// Settings that are only possible before the end of Machine Startup are still open.
     pub starting: bool,
 }
 

@@ -18,7 +18,7 @@ use crate::state::channel::Handed;
 use crate::state::modal::group;
 
 impl Kernel<'_> {
-    /// Sorts the words of the block into codes and data, lets the codes act, and sees to what is left.
+    /// Sorts the words of the block into codes and data, lets the codes act, and treats the remaining words.
     #[inline]
     pub(crate) fn codes(&mut self, origin: Origin) -> Acted {
         let hooks = self.plan.hooks;
@@ -317,7 +317,7 @@ impl Kernel<'_> {
     pub(crate) fn queue_by_data(&mut self, group: u16) {
         let before = self.channel.block.pending.len();
         self.queue_modal(group);
-        // Alone on its block it finds what fires it.
+        // Alone in its block it finds the data that fire it.
         if (before > 0 || !self.channel.state.modal.refires.is_empty() || self.plan.hooks.is_some())
             && let Some(pending) = self.channel.block.pending.get_mut(before)
         {
@@ -325,7 +325,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Something of what fires a code is left; what has been taken meanwhile fires nothing.
+    /// Whether some of the data that fire a code remain; data taken meanwhile fire nothing.
     #[cold]
     fn is_left(&self, group: u16) -> bool {
         let moves = group == group::MOTION || group == group::CYCLE;
@@ -416,7 +416,8 @@ impl Kernel<'_> {
         of(Some(register)).or_else(|| of(None))
     }
 
-    /// What a code does before it acts: is remembered if it is a function, hands over its data, becomes active in its modal group.
+    /// Steps before a code acts: it is remembered if it is a function, hands over its data, becomes active in its modal
+    /// group.
     #[inline(always)]
     pub(crate) fn enter_code(&mut self, row: &CodeRow, pending: PendingCode) {
         if !pending.modal

@@ -178,7 +178,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Lets blocks be read: what they would move is recorded in a plane, and nothing of what they change remains.
+    /// Lets blocks be read: their moves are recorded in a plane, and none of their changes remain.
     fn reading(&mut self, plane: Option<LathePlane>, blocks: impl FnOnce(&mut Self) -> Acted) -> Result<Reading, Halt> {
         let Some(plan) = self.plan.reading.as_deref() else { return Ok(Reading::default()) };
         let outer_plan = std::mem::replace(&mut self.plan, plan);
@@ -194,7 +194,7 @@ impl Kernel<'_> {
         self.channel.state.threads.recorded = None;
         let own = Reading { start: self.channel.flat(&start), plane, ..Reading::default() };
         self.channel.state.others.turning.reading = own;
-        // A feed per minute needs no spindle; what moves is only recorded.
+        // A feed per minute needs no spindle; moves are only recorded.
         self.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
         self.channel.state.remembered.remember(data::FEED_UPM, 1.0);
         let done = blocks(self).and_then(|()| self.flush_lookahead());

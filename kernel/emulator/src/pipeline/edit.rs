@@ -1,7 +1,7 @@
 //! Stage *edit*: the text of a block where it is not simply the line of the file.
 //!
-//! Facts: reference control-emulator.md 5.1 (a further character that ends blocks), 5.2 (tape editor). *Invariant:* what
-//! the scanner, the pre-processor and messages about words see is one text; places in it are places in that text.
+//! Facts: reference control-emulator.md 5.1 (a further character that ends blocks), 5.2 (tape editor). *Invariant:* the
+//! scanner, the pre-processor and messages about words see one text; places in it are places in that text.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use counterpoint_program::tape::Within;
 pub(crate) enum Reshaped<'l> {
     /// The text of the line up to the character that ends it.
     Line(&'l [u8]),
-    /// One of several blocks of the line, or what the tape editor has made of it.
+    /// One of several blocks of the line, or the result of the tape editor.
     Own(Arc<[u8]>),
 }
 

@@ -66,7 +66,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// What the block does at its end: the last call or return counts, an end code in any case.
+    /// Records the request of the block for its end: the last call or return counts, an end code in any case.
     pub(crate) fn ask(&mut self, pending: Pending) {
         match &self.flow.pending {
             Some(Pending::End(_)) => return,
@@ -179,7 +179,7 @@ impl Kernel<'_> {
         Err(self.alarm(&diag::NESTING, text))
     }
 
-    /// What the control itself allows: levels of macros, of subprograms, and of both together.
+    /// Checks the limits of the control: levels of macros, of subprograms, and of both together.
     fn check_levels(&mut self, is_macro: bool, what: &Callee) -> Acted {
         let levels = self.channel.env.machine.subprograms.levels;
         let all = self.flow.frames.len();

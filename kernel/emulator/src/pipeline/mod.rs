@@ -1,8 +1,8 @@
 //! The way of one block: read, edit, pre-process, split, codes, leftovers, follow.
 //!
 //! Each stage is a function in a file of its own. A machine with macros adds hooks between the stages (`plan.hooks`); a
-//! machine without macros has none of them and goes the same way. *Invariant:* there is one way of a block, whoever made
-//! its text or its words. Facts: reference control-emulator.md 2.2, 2.3.
+//! machine without macros has none of them and goes the same way. *Invariant:* there is one path for all blocks, with
+//! any source of their text or words. Facts: reference control-emulator.md 2.2, 2.3.
 
 mod beside_motion;
 mod codes;
@@ -28,7 +28,7 @@ use crate::channel::hook_points::{Edited, Origin};
 use counterpoint_program::scan::Kind as Split;
 
 impl Kernel<'_> {
-    /// Processes a block from its text up to what is left of it: edit, pre-process, split, codes, leftovers.
+    /// Processes a block from its text to its remaining words: edit, pre-process, split, codes, leftovers.
     #[inline(always)]
     pub(crate) fn block(&mut self, text: &[u8]) -> Acted {
         let hooks = self.plan.hooks;

@@ -188,14 +188,14 @@ impl Kernel<'_> {
         }
         let number = self.channel.at.blocks;
         self.emit_as(0, |kind| match kind {
-            // Written over what is there, a kind of another shape is dropped first.
+            // Overwrites the old value; a kind of another shape is dropped first.
             Kind::Block(Block { number: place }) => *place = number,
             other => *other = Kind::Block(Block { number }),
         });
         self.check_limits()
     }
 
-    /// What is looked at every 256 blocks: whether another kernel waits for the processor, and moves kept back too long.
+    /// Checks made every 256 blocks: whether another kernel waits for the processor, and moves kept back too long.
     #[cold]
     #[inline(never)]
     fn now_and_then(&mut self) -> Acted {

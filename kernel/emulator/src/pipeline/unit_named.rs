@@ -1,6 +1,6 @@
 //! Programs that look like inches and name no unit.
 //!
-//! *Invariant:* nothing here changes what a block does. Only the beginning of a text is looked at.
+//! *Invariant:* nothing here changes the effect of a block. Only the start of a text is looked at.
 
 use crate::channel::Kernel;
 use counterpoint_event::info::Unit;

@@ -21,7 +21,7 @@ pub(crate) const ERROR: u8 = 8;
 /// The effect of an alarm on its block.
 pub(crate) const NOT_DONE: &str = "no part of the block acts";
 
-/// What a circle becomes that cannot be made.
+/// Replacement for a circle that cannot be made.
 pub(crate) const STRAIGHT: &str = "a straight move is made instead";
 
 impl Channel<'_> {
@@ -40,12 +40,12 @@ impl Channel<'_> {
         !self.stops_at(facts)
     }
 
-    /// What becomes of a block about which this is reported: what is done instead, unless the channel stops.
+    /// Treatment of a block with this report: the replacement, unless the channel stops.
     pub(crate) fn becomes(&self, facts: &Facts, instead: &'static str) -> &'static str {
         if self.goes_on_at(facts) { instead } else { NOT_DONE }
     }
 
-    /// Counts what has come into the log.
+    /// Counts the errors in the log.
     pub(crate) fn count_error(&mut self, severity: u8) {
         if severity >= ERROR {
             self.reports.alarms.errors = self.reports.alarms.errors.saturating_add(1);

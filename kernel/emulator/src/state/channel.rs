@@ -31,7 +31,7 @@ use counterpoint_program::tape;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::wait::Rules;
 
-/// One channel of the control: what it is given, where it is, what it remembers.
+/// One channel of the control: its inputs, its position, its memory.
 pub struct Channel<'a> {
     /// The subject of the run.
     pub env: Environment<'a>,
@@ -51,10 +51,10 @@ pub struct Channel<'a> {
     pub(crate) pace: Option<Box<Pace>>,
 }
 
-/// What a run is about; while the kernel runs, nothing of it changes but the component.
+/// Inputs of a run; while the kernel runs, only the component changes.
 #[derive(Clone, Copy)]
 pub struct Environment<'a> {
-    /// What the control does: the checked machine, or the component that a channel of a composite works with.
+    /// Definition of the control: the checked machine, or the component with which a channel of a composite works.
     pub machine: &'a Machine,
     /// The machine of the job.
     pub whole: &'a Machine,
@@ -90,7 +90,7 @@ pub struct At {
 }
 
 impl At {
-    /// The tag of what the kernel does now.
+    /// The tag of the kernel's current operation.
     pub(crate) fn tag(&self) -> Tag {
         Tag { t: self.clock, micro: self.micro, channel: self.channel }
     }
@@ -145,7 +145,7 @@ pub(crate) struct Reports {
     pub(crate) raised: FxHashMap<u32, u32>,
     /// Waits met so far.
     pub(crate) waits: KnownWaits,
-    /// What the diagnostic that is about to be logged does not recognise.
+    /// Unrecognised text of the diagnostic that is about to be logged.
     pub(crate) unrecognised: Option<Box<Unrecognised>>,
     /// The access that the block of the current diagnostic races with.
     pub(crate) race: Option<Box<RaceWith>>,
@@ -158,7 +158,7 @@ pub(crate) struct Reports {
 }
 
 impl Reports {
-    /// What a diagnostic does not recognise, unless the machine has given it another text.
+    /// Unrecognised text of a diagnostic, unless the machine has given it another text.
     pub(crate) fn take_unrecognised(&mut self, number: u32, text: &str) -> Option<Box<Unrecognised>> {
         self.unrecognised.take_if(|about| number == diag::NOT_RECOGNISED.number && about.to_string() == text)
     }
@@ -205,7 +205,7 @@ impl Channel<'_> {
     }
 }
 
-/// Nanoseconds of a duration in seconds, rounded once; never negative, never beyond what a job can hold.
+/// Nanoseconds of a duration in seconds, rounded once; never negative, never beyond the maximum duration of a job.
 pub(crate) fn nanoseconds(seconds: f64) -> i64 {
     const MOST: f64 = 1e18;
     if seconds.is_nan() || seconds <= 0.0 { 0 } else { ((seconds * 1e9).min(MOST) + 0.5) as i64 }

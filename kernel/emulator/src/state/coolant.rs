@@ -1,6 +1,6 @@
 //! Coolant of a channel: the state beyond the active codes.
 //!
-//! *Invariant:* what flows is the active code of its modal group.
+//! *Invariant:* the flowing coolant is the active code of its modal group.
 
 use super::channel::Channel;
 use counterpoint_event::event::Outlet;
@@ -57,7 +57,7 @@ pub(crate) fn code_of(fluid: u8, outlet: Outlet) -> Option<CodeId> {
 }
 
 impl Channel<'_> {
-    /// What flows is what a later `on` switches on.
+    /// Records the flowing coolant, which a later `on` switches on.
     pub(crate) fn note_coolant(&mut self, fluid: u8, outlet: Outlet) {
         if let Some(last) = self.state.others.coolant.last.get_mut(head(outlet)).filter(|_| fluid != 0) {
             *last = fluid;

@@ -1,7 +1,7 @@
 //! The memory of a channel from block to block: plain structs with their own methods.
 //!
-//! *Invariant:* nothing here knows the kernel, its plan or its actions; one box holds what few machines use, and the block
-//! loop never looks into it for what a machine does not use.
+//! *Invariant:* nothing here knows the kernel, its plan or its actions; one box holds the data that few machines use,
+//! and the block loop never looks into it for functions that a machine does not use.
 
 pub(crate) mod alarms;
 pub(crate) mod arc;
@@ -114,7 +114,7 @@ pub(crate) struct Others {
     pub(crate) before_change: Option<Position>,
     /// The last report about each tool.
     pub(crate) tools: FxHashMap<u32, ToolData>,
-    /// What still runs beside the block, and beside all that comes before the next move at feed.
+    /// Functions still running beside the block, and beside all blocks before the next move at feed.
     pub(crate) running: [Option<Running>; 2],
     /// Where the channel waits before its cuts, while two channels begin them together.
     pub(crate) balance: Option<Wait>,

@@ -1,11 +1,11 @@
 //! Moves at feed whose speeds are not decided yet, and the events from them on.
 //!
-//! In continuous mode a move may end as fast as the next ones allow, so its time is known only after them. Meanwhile the clock of
-//! the channel runs as if speeds changed at once; what the moves take beyond that is added when they are timed. Facts: reference
-//! channel-synchronisation.md 3.
+//! In continuous mode a move may end as fast as the next moves allow, so its time is known only after them. Meanwhile
+//! the clock of the channel runs as if speeds changed at once; the additional time of the moves is added when they are
+//! timed. Facts: reference channel-synchronisation.md 3.
 //!
-//! *Invariants:* the clock of the channel plus [`Pace::late`] is never after the time of what is still to come; events leave in
-//! their order; without accelerations nothing of this exists.
+//! *Invariants:* the clock of the channel plus [`Pace::late`] is never after the time of a future event; events leave
+//! in their order; without accelerations nothing of this exists.
 
 use std::collections::VecDeque;
 
@@ -40,7 +40,7 @@ pub(crate) struct Pace {
     gaps: VecDeque<(usize, usize)>,
     /// Events since that of the last move.
     since: usize,
-    /// What later events are later than the clock says, ns.
+    /// Delay of later events against the clock, ns.
     pub(crate) late: i64,
     /// The path stops after the last move.
     pub(crate) stops: bool,
@@ -116,7 +116,7 @@ impl Pace {
         self.events.front().map(|event| (event.t_ns + self.late, event.micro))
     }
 
-    /// The path stops after what it knows.
+    /// The path stops after its known moves.
     pub(crate) fn stop(&mut self) {
         if !self.look.is_empty() {
             self.stops = true;
@@ -173,7 +173,7 @@ impl Pace {
         speed
     }
 
-    /// Times the first move: its events and those before it, with what it takes beyond its own time, ns.
+    /// Times the first move: its events and those before it, with the time beyond its own, ns.
     pub(crate) fn pop(&mut self) -> Option<(usize, i64)> {
         let seconds = self.look.pop()?;
         let (count, during) = self.gaps.pop_front()?;
@@ -191,7 +191,7 @@ impl Pace {
         Some((count + during, more))
     }
 
-    /// What has happened since the last move, without time, happens during it, at this time, ns.
+    /// Places the events since the last move that take no time into the move, at this time, ns.
     pub(crate) fn draw_in(&mut self, t_ns: i64) {
         let since = std::mem::take(&mut self.since);
         for event in self.events.iter_mut().rev().take(since) {
@@ -261,7 +261,7 @@ impl Channel<'_> {
         }
     }
 
-    /// What happens next lies after a stop of the path.
+    /// The next event lies after a stop of the path.
     #[inline(always)]
     pub(crate) fn stop_path(&mut self) {
         if let Some(pace) = &mut self.pace {
@@ -269,7 +269,7 @@ impl Channel<'_> {
         }
     }
 
-    /// A move at feed as the look-ahead sees it; none for what takes no way.
+    /// A move at feed as the look-ahead sees it; none for a move without a path.
     pub(crate) fn stretch(&self, seconds: f64, motion: &Motion) -> Option<Stretch> {
         let axes = &self.state.place.layout.axes;
         let changes = if self.couples() {

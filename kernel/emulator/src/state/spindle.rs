@@ -65,7 +65,7 @@ impl Turning {
     }
 }
 
-/// Spindles of one channel, and what they are in work for.
+/// Spindles of one channel, and their current uses.
 #[derive(Debug)]
 pub(crate) struct Spindles {
     pub(crate) front: Option<SpindleId>,
@@ -145,7 +145,7 @@ impl Channel<'_> {
         self.number_in_codes(self.state.others.spindles.mill)
     }
 
-    /// Puts into work what the codes say.
+    /// Activates the spindle that the codes select.
     pub(crate) fn follow_spindle(&mut self) {
         let wanted = self.working_spindle();
         self.select_spindle(wanted);

@@ -166,7 +166,7 @@ pub(crate) struct Pocket {
     pub(crate) step: f64,
     /// Cuts go along Y.
     pub(crate) across: bool,
-    /// What is left for a last pass.
+    /// Allowance for a last pass.
     pub(crate) finish: f64,
     /// Depth of a level.
     pub(crate) level: f64,
@@ -189,7 +189,7 @@ impl LathePlane {
         [z * self.scales[0], x * self.scales[1]]
     }
 
-    /// A position moved to a point of the plane. What sums leave after the ninth digit is nothing that was programmed.
+    /// A position moved to a point of the plane. Digits of sums after the ninth were not programmed.
     pub(crate) fn position(&self, mut from: Position, point: Spot) -> Position {
         for ((axis, scale), value) in self.axes.into_iter().zip(self.scales).zip(point) {
             let wanted = (value / scale * 1e9).round() / 1e9 + 0.0;

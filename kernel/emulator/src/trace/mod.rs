@@ -21,7 +21,7 @@ use counterpoint_machine::index::CodeRowId;
 use counterpoint_machine::number::written;
 use counterpoint_machine::rows::CodeForm;
 
-/// Letter of actions. Most are read off the events; what no event tells is a line of its own.
+/// Letter of actions. Most are read from the events; an action without an event is a line of its own.
 pub(crate) const ACTION: char = 'A';
 
 impl Kernel<'_> {

@@ -18,7 +18,7 @@ use super::{COUPLING, extra_rule};
 /// The effect of the code on two axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// The slave does what the master does.
+    /// The slave follows the master.
     Synchronous,
     /// The words of each channel move the axis of the other channel.
     Composite,

@@ -41,7 +41,7 @@ pub(super) fn names(machine: &Machine) -> Arc<[Box<str>]> {
     axes.chain(machine.spindles.iter().map(|spindle| format!("S{}", spindle.number).into())).collect()
 }
 
-/// What a statement means for an axis or a spindle.
+/// Meaning of a statement for an axis or a spindle.
 ///
 /// # Errors
 /// The channel has no such axis, or the machine no such channel.

@@ -1,7 +1,8 @@
 //! Words at which the systems of a Mitsubishi or Citizen control line up.
 //!
-//! Facts: reference channel-synchronisation.md 1.6. Decision: the named systems and the own one take part; where that is nobody
-//! else, those whose programs have the label, and all systems if no other one has it.
+//! Facts: reference channel-synchronisation.md 1.6. Decision: the named systems and the own system take part. If that
+//! is the own system alone, the systems whose programs have the label take part, and all systems if no other system has
+//! it.
 
 use counterpoint_event::info::Info;
 use counterpoint_machine::model::Machine;

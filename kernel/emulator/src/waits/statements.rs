@@ -33,7 +33,7 @@ pub(super) fn takes_axes(row: &WaitRow) -> bool {
     row.primitive == Primitive::Lease && row.form.is_none()
 }
 
-/// What a statement takes; `None` if it is not one of `[[waits]]`.
+/// Operands of a statement; `None` if it is not one of `[[waits]]`.
 pub(crate) fn operands(machine: &Machine, name: &str) -> Option<Operands> {
     let (_, row) = find(machine, name)?;
     Some(match (row.primitive, row.act) {
@@ -46,7 +46,7 @@ pub(crate) fn operands(machine: &Machine, name: &str) -> Option<Operands> {
     })
 }
 
-/// What a statement of `[[waits]]` means in this channel; `mark` is 0 where there is none.
+/// Meaning of a statement of `[[waits]]` in this channel; `mark` is 0 where there is none.
 ///
 /// # Errors
 /// Why its arguments are not possible.

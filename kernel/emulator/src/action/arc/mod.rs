@@ -1,9 +1,9 @@
 //! Circular moves in a plane: by centre, radius or angle.
 //!
-//! Facts: reference control-emulator.md 6.1 (arc rules): centre offsets are radii even on a diameter axis; a block
-//! with only a centre is a full circle. What a code does not say (direction, centre, radius) separate codes
-//! define. *Invariant:* a circle that cannot be made is reported and its end reached straight. Decisions: docs/emulation.md,
-//! "Circles".
+//! Facts: reference control-emulator.md 6.1 (arc rules): centre offsets are radii even on a diameter axis; a block with
+//! only a centre is a full circle. Separate codes define the properties that a code leaves open (direction, centre,
+//! radius). *Invariant:* a circle that cannot be made is reported and its end reached straight. Decisions:
+//! docs/emulation.md, "Circles".
 
 mod define;
 pub(super) mod space;
@@ -32,7 +32,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::paths::{Helix, Turns};
 use counterpoint_program::block::PendingCode;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Arc(form) => |act, _row, code| arc(act, form, code)).moves().contour(Contour::Follows),
     Entry::of(&[codes::INTERP_ARC_TANGENT], |act, _, _| tangent::tangent(act)).moves().contour(Contour::Follows),
@@ -148,7 +148,7 @@ fn active_plane(act: &Act<'_, '_>) -> Option<(Plane, Flat)> {
     Some((plane, Flat { axes, scales }))
 }
 
-/// Takes radius or centre, then the angle; what the block does not say may have been defined before.
+/// Takes radius or centre, then the angle; earlier blocks may have defined values that this block omits.
 fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (coded, implied): (u8, bool)) -> Words {
     let here = act.state.arcs.block == act.at.blocks;
     let by = match form.by {
@@ -222,7 +222,7 @@ fn cut(
         check_end(act, made.end_error(end).max(if by_angle { distance(reached, end) } else { 0.0 }));
     }
     let turns = if by_angle {
-        // What an angle leaves behind the ninth digit is nothing that was programmed.
+        // Digits of an angle after the ninth were not programmed.
         let tidy = |value: f64| (value * 1e9).round() / 1e9 + 0.0;
         flat.set(&mut target, if reached == start { start } else { reached.map(tidy) });
         made.full_turns()

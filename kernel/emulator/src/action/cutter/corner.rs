@@ -46,7 +46,7 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
     true
 }
 
-/// What an action means for corners: moves along the contour may wait, any other action ends the waiting.
+/// Effect of an action on corners: moves along the contour may wait, any other action ends the waiting.
 pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
     let rounds = act.state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
     if let Some(cutter) = act.cutter().filter(|cutter| cutter.plain) {
@@ -249,7 +249,7 @@ impl Act<'_, '_> {
         self.check_stop()
     }
 
-    /// What is missing after a move that is made without the next one: a move after its corner, or its own end.
+    /// The part that is missing after a move without a next one: a move after its corner, or its own end.
     pub(super) fn missing(&self, waits: &Waiting) -> Option<(&'static Facts, String)> {
         let block = self.block_text();
         if waits.open.is_some() {

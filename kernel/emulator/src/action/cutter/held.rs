@@ -1,7 +1,7 @@
 //! Effects that are held back with a waiting move, and their release after that move.
 //!
-//! While a move waits the clock stays where the move begins, and advances by what happens after it (dwells, functions).
-//! When the move has been made, all that was held back is moved on by its time.
+//! While a move waits, the clock stays at the start of the move and advances by later events (dwells, functions). When
+//! the move has been made, all events held back are shifted by its time.
 
 use crate::act::Act;
 use crate::state::cutter::{Held, Waiting};

@@ -5,7 +5,8 @@
 use crate::act::Act;
 use crate::state::modal::{group, plane};
 
-/// The local frame shows the active plane from behind: what is left in the program is right of the way of the tool.
+/// Whether the local frame shows the active plane from behind: left in the program is then right of the path of the
+/// tool.
 pub(in crate::action) fn is_mirrored(act: &Act<'_, '_>) -> bool {
     let Some(plane) = act.state.modal.code(group::PLANE).and_then(plane) else { return false };
     let values = act.frame_values();

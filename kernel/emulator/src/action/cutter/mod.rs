@@ -1,8 +1,8 @@
 //! Cutter and nose radius compensation: the tool goes beside the programmed contour.
 //!
-//! A move waits until the next one of its plane is known; what happens in between is held back with it (`held`), so
-//! that the log keeps its order. Invariants: without a radius nothing of this exists; a held clock never runs past what
-//! other channels may see; every way out of compensation finishes the move that waits. Facts: reference
+//! A move waits until the next move of its plane is known; events in between are held back with it (`held`), so that
+//! the log keeps its order. Invariants: without a radius nothing of this exists; a held clock never runs past events
+//! that other channels may see; every way out of compensation finishes the move that waits. Facts: reference
 //! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
 
 mod angle;
@@ -51,7 +51,7 @@ const TIPS: [[f64; 2]; 10] = [
     [0.0, 0.0],
 ];
 
-/// A code that switches compensation: what follows goes beside the contour, or on it again.
+/// A code that switches compensation: the next moves go beside the contour, or on it again.
 pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     if code == codes::COMP_DIAM_OFF {
         wall::at_wall(act)?;
@@ -219,7 +219,7 @@ pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUni
     act.straight(&Step { shape, coded: 0, to, feed: feed.0, unit }, to)
 }
 
-/// A thread goes without compensation: what follows comes to the contour again.
+/// A thread goes without compensation: the next moves approach the contour again.
 pub(super) fn after_thread(act: &mut Act<'_, '_>) {
     let position = act.state.place.position;
     if let Some(cutter) = act.cutter() {
@@ -429,7 +429,7 @@ impl Act<'_, '_> {
             return stop;
         }
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
-            // What was programmed before the alarm is executed.
+            // Blocks programmed before the alarm are executed.
             self.clear_stop();
             if halt == Halt::Alarm {
                 self.forget_corners();
@@ -459,7 +459,7 @@ impl Act<'_, '_> {
         if old.is_some_and(|old| old > LONGEST_WAIT) { self.flush_lookahead() } else { Ok(()) }
     }
 
-    /// Keeps a move back, and from here on what happens after it.
+    /// Keeps a move back, and all later events.
     fn wait(&mut self, step: Step, element: Option<Element>, corner: Option<Corner>) {
         let (file, line, block, clock, micro) =
             (self.at.file, self.at.line, self.at.blocks, self.at.clock, self.at.micro);

@@ -1,11 +1,11 @@
 //! Soft approach to a contour and retraction from it: a line or a part of a circle that touches the contour, and the way
 //! between it and the tool.
 //!
-//! P0 is where the tool comes from, P1 above P3 at the height of P0, P2 where the quick way down ends, P3 where the line or circle
-//! begins, P4 the contour; the way from the contour goes through them backwards. Facts: programming manual, fundamentals, and
-//! function manual W1, chapter "smooth approach and retraction"; the points are those of the
-//! tool's centre. *Invariant:* along the tool the way never turns back; what would is refused before anything moves. Decisions:
-//! docs/emulation.md, "Cutter radius".
+//! P0 is the position from which the tool comes, P1 above P3 at the height of P0, P2 the end of the quick descent, P3
+//! the start of the line or circle, P4 the contour; the path from the contour goes through them backwards. Facts:
+//! programming manual, fundamentals, and function manual W1, chapter "smooth approach and retraction"; the points are
+//! those of the tool's centre. *Invariant:* along the tool the path never turns back; a path that would is refused
+//! before anything moves. Decisions: docs/emulation.md, "Cutter radius".
 
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ use crate::state::arc::LastMove;
 use crate::state::modal::{feed_of, group, plane};
 use crate::state::smooth::{Form, Level, Lies, Smooth, Speed};
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(in crate::action) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::SMOOTH_LINE_IN], |act, _, _| asked(act, Form::Line, false)).contour(Contour::Waits),
     Entry::of(&[codes::SMOOTH_QUARTER_IN], |act, _, _| asked(act, Form::Quarter, false)).contour(Contour::Waits),

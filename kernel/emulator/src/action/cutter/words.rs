@@ -20,7 +20,7 @@ pub(in crate::action) fn has_words(act: &Act<'_, '_>, code: CodeId) -> bool {
     act.has_any(if straight { registers.line } else { registers.arc })
 }
 
-/// Executes a move with what the words of its block ask.
+/// Executes a move with the corner words of its block.
 #[cold]
 pub(in crate::action) fn with_words<'a, 'k>(
     act: &mut Act<'a, 'k>,
@@ -156,7 +156,7 @@ fn corner_of_code(act: &mut Act<'_, '_>, feed: Option<f64>) -> Option<(f64, Corn
     Some((size, Corner { cut, side, feed, modal: false }))
 }
 
-/// A code that says what the corner of its block is.
+/// A code that gives the kind of the corner of its block.
 pub(in crate::action) fn code(act: &mut Act<'_, '_>, rounds: bool) -> Acted {
     if !act.block_has(data::CORNER_SIZE) {
         refused(act, "the code has no length or radius");

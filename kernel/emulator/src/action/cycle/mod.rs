@@ -24,7 +24,7 @@ use counterpoint_machine::model::{Heights, MachineKind};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::PendingCode;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Cycle(kind) => |act, row, code| cycle(act, kind, row, code)).contour(Contour::Leaves),
     Entry::of(&[codes::CYCLE_ON], on).contour(Contour::Leaves),
@@ -193,7 +193,7 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
     Ok(())
 }
 
-/// The heights of a hole from what the cycle knows.
+/// The heights of a hole from the data of the cycle.
 fn heights(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Option<Hole> {
     let state = act.state.cycle;
     let (_, axis) = state.axis?;

@@ -27,7 +27,7 @@ pub(super) struct Drill<'h> {
 }
 
 impl Act<'_, '_> {
-    /// Makes a hole with what the cycle knows now.
+    /// Makes a hole with the current data of the cycle.
     pub(in crate::action) fn make_hole(&mut self, hole: &Hole) -> Acted {
         let cycle = self.state.cycle;
         let Some(kind) = HoleCycle::numbered(cycle.number) else { return Ok(()) };
@@ -101,7 +101,8 @@ impl Act<'_, '_> {
         self.in_steps(drill, depth, step)
     }
 
-    /// What a program's unit along an axis is for the cycle's own lengths: the program may be scaled, steps and shifts are not.
+    /// Size of a program's unit along an axis for the cycle's own lengths: the program may be scaled, steps and shifts
+    /// are not.
     pub(super) fn own_scale(&self, axis: AxisSlot) -> f64 {
         let place = &self.state.place;
         let role = place.layout.cartesian.iter().position(|own| *own == Some(axis));

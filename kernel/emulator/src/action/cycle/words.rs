@@ -1,7 +1,7 @@
 //! Data of a cycle, in the order in which it is taken: feed, depth, clearance, position, and data of only some kinds.
 //!
-//! *Invariant:* a kind takes what it uses; the rest stays on the block and is reported. Facts: reference control-emulator.md
-//! 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
+//! *Invariant:* a kind takes only the words it uses; the rest stays in the block and is reported. Facts: reference
+//! control-emulator.md 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
 
 use crate::act::Act;
 use crate::state::cycle::Height;

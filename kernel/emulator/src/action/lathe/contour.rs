@@ -1,7 +1,7 @@
 //! Actions by which contour blocks are read: moves are recorded with their corners, everything else is skipped or refused.
 //!
-//! Facts: reference turning-cycles.md 1.3. The actions of moves are those of the control; what they would move is
-//! recorded. *Invariant:* nothing moves, takes time or reaches another channel.
+//! Facts: reference turning-cycles.md 1.3. The actions of moves are those of the control; their motion is recorded.
+//! *Invariant:* nothing moves, takes time or reaches another channel.
 
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
@@ -26,7 +26,7 @@ use counterpoint_program::block::PendingCode;
 #[derive(Debug)]
 struct Shaping;
 
-/// What defines the next circle, or the corner of the block.
+/// Definition of the next circle, or of the corner of the block.
 #[derive(Debug)]
 struct Defining;
 

@@ -32,7 +32,7 @@ use counterpoint_machine::index::BySlot;
 use counterpoint_program::block::PendingCode;
 use moves::Cutting;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Turning(TurningCycle::Finish) => |act, _row, _code| finish(act))
         .moves()

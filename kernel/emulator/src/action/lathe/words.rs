@@ -1,6 +1,6 @@
 //! Data of turning cycles.
 //!
-//! *Invariant:* a cycle takes what it uses; the rest stays on the block and is reported. Facts: reference
+//! *Invariant:* a cycle takes only the words it uses; the rest stays in the block and is reported. Facts: reference
 //! turning-cycles.md 1.2, 3, 4, 6.1.
 
 use counterpoint_motion::contour::element::Spot;

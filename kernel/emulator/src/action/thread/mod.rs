@@ -27,7 +27,7 @@ use counterpoint_program::block::PendingCode;
 /// Rates with a smaller difference are equal: a rapid move has exactly the rate.
 pub(in crate::action) const EVEN: f64 = 1.0 + 1e-6;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Thread(change) => |act, _row, code| thread(act, change, code))
         .moves()
@@ -73,7 +73,7 @@ fn lead_along(act: &mut Act<'_, '_>, role: usize) -> Acted {
     Ok(())
 }
 
-/// Ends threads: what moves here moves straight.
+/// Ends threads: moves are straight from here on.
 pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     super::motion::linear(act)
 }

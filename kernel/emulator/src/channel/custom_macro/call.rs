@@ -1,6 +1,6 @@
 //! A macro call with its arguments.
 //!
-//! Facts: reference control-emulator.md 5.4. Decision: what cannot be an argument is reported as left over.
+//! Facts: reference control-emulator.md 5.4. Decision: text that cannot be an argument is reported as left over.
 
 use counterpoint_fault::Acted;
 

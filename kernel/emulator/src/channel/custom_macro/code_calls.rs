@@ -1,11 +1,11 @@
 //! Words that call programs by themselves: G M T S B, as the machine says.
 //!
-//! Facts: reference control-emulator.md 5.4 (calls by G M T S B); what each word does is a parameter of the control
-//! (O9010 by a G code, O9001 by an M code, O9000 by T with #149, and so on). They act before the code table sees their
-//! word. Decisions: a word that calls a macro makes arguments of all others; a subprogram is called after what the
-//! other words of the block do; in a program that a word has called, words of the same kind (G, or all others) act as
-//! without the row, those of the other kind if the machine says so; after G66.1 words are arguments only. Invariant:
-//! a machine without such words pays one test for each block.
+//! Facts: reference control-emulator.md 5.4 (calls by G M T S B). A parameter of the control defines the call of each
+//! word (O9010 by a G code, O9001 by an M code, O9000 by T with #149, and so on). They act before the code table sees
+//! their word. Decisions: a word that calls a macro makes arguments of all other words; a subprogram is called after
+//! the other words of the block have acted. In a program that a word has called, words of the same kind (G, or all
+//! others) act as without the row, those of the other kind if the machine says so; after G66.1 words are arguments
+//! only. Invariant: a machine without such words pays one test for each block.
 
 use counterpoint_fault::Acted;
 use counterpoint_machine::index::RegisterId;

@@ -1,10 +1,10 @@
 //! Modal macro calls: blocks call a macro until G67.
 //!
-//! Facts: reference control-emulator.md 5.4. Decisions: G66 calls after every block that moves; its block sets the local
-//! variables, which the calls share; G66.1 calls with the words of every block, which does nothing else; inside a macro that was called
-//! with arguments no block calls, unless that macro contains G66 itself, or blocks called it and there is a G66 before that one:
-//! then its blocks call what that names; G67 ends the last one; subprograms called by M98 continue calling. *Invariant:* a
-//! modal call ends with the macro that made it.
+//! Facts: reference control-emulator.md 5.4. Decisions: G66 calls after every block that moves; its block sets the
+//! local variables, which the calls share. G66.1 calls with the words of every block, which has no other effect. Inside
+//! a macro that was called with arguments no block calls, unless that macro contains G66 itself, or unless blocks
+//! called it and there is a G66 before that one: then its blocks call the macro of that earlier G66. G67 ends the last
+//! one; subprograms called by M98 continue calling. *Invariant:* a modal call ends with the macro that made it.
 
 use super::code_calls::By;
 use crate::channel::Kernel;
@@ -18,7 +18,7 @@ use counterpoint_program::block::Word;
 pub(crate) struct ModalCall {
     pub(crate) what: Callee,
     pub(crate) passes: u32,
-    /// Local variables of its macro: the arguments, and what the calls have left in them.
+    /// Local variables of its macro: the arguments, and the values that the calls have left in them.
     pub(crate) arguments: Vec<(u8, f64)>,
     /// Every block calls, with its own words.
     pub(super) each: bool,
@@ -36,7 +36,7 @@ pub(crate) struct ModalCalls {
     calling: Option<usize>,
 }
 
-/// Modal calls in force at most; what is made beyond that replaces the last one.
+/// Maximum number of active modal calls; a further call replaces the last one.
 const MOST: usize = 64;
 
 impl ModalCalls {
@@ -69,7 +69,7 @@ impl ModalCalls {
         }
     }
 
-    /// What they call: 66 for every block that moves, 66.1 for every block; none without one.
+    /// Trigger of the calls: 66 for every block that moves, 66.1 for every block; none without a modal call.
     pub(crate) fn word(&self) -> Option<f64> {
         self.calls.last().map(|call| if call.each { 66.1 } else { 66.0 })
     }

@@ -1,6 +1,6 @@
 //! Variables of coolant: the flow, auxiliary devices, the pump.
 //!
-//! *Invariant:* what a macro sets makes no event. Facts: reference system-variables.md 6.
+//! *Invariant:* a value that a macro sets makes no event. Facts: reference system-variables.md 6.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};

@@ -1,6 +1,6 @@
 //! Variables and functions of offsets.
 //!
-//! Facts: reference system-variables.md 7, functions.md 12. Radii are what the offset table of the control holds; axes
+//! Facts: reference system-variables.md 7, functions.md 12. Radii are those in the offset table of the control; axes
 //! are those of `$AXES`, or the sixteen of the axis list.
 
 use counterpoint_lang::diag::Number;

@@ -1,7 +1,7 @@
 //! Variables of spindles.
 //!
-//! *Invariant:* what a macro sets counts from the next action on and makes no event. Facts: reference system-variables.md
-//! 6, 9.
+//! *Invariant:* a value that a macro sets counts from the next action on and makes no event. Facts: reference
+//! system-variables.md 6, 9.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
@@ -28,7 +28,7 @@ fn turns(command: &Command) -> bool {
     matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise)
 }
 
-/// Changes what the channel's spindle is commanded to do.
+/// Changes the command of the channel's spindle.
 fn set(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Outcome<()> {
     if let Err(halt) = kernel.set_spindle(change) {
         kernel.keep_halt(halt);

@@ -1,7 +1,7 @@
 //! Variables of threads and their cycles: `$PITCH`, `$E`, `$TH…`.
 //!
-//! *Invariant:* they are those of the last thread; what a macro sets counts for threads without the word. Depth, first step
-//! and passes that a macro sets are those of one cycle. Facts: reference system-variables.md 8, 9.
+//! *Invariant:* they are those of the last thread; a value that a macro sets counts for threads without the word.
+//! Depth, first step and passes that a macro sets are those of one cycle. Facts: reference system-variables.md 8, 9.
 
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;

@@ -29,7 +29,7 @@ pub(crate) struct Sums {
     /// Place of the current row, and when it became that.
     current: usize,
     since: i64,
-    /// Takes what has no row; never read.
+    /// Takes amounts without a row; never read.
     lost: Sum,
 }
 

@@ -6,11 +6,11 @@
 //! | work | after scale, mirror, rotation, translation; events and `Place::position` | [`Channel::work_point`] |
 //! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Channel::machine_point`] |
 //!
-//! Lengths, feeds and arcs are those of the work frame. What couples axes to each other on the way from the work frame to
-//! the axes of the machine (tool tip control, tilted planes) is in [`Channel::machine_point`] and its inverse
-//! [`Channel::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions and rates of
-//! rapids all ask these two. What changes programmed words before they are points is in [`Channel::work_point`] and
-//! [`Channel::programmed`]; polar interpolation is there, since events name the axes.
+//! Lengths, feeds and arcs are those of the work frame. Transformations that couple axes to each other between the work
+//! frame and the axes of the machine (tool tip control, tilted planes) are in [`Channel::machine_point`] and its
+//! inverse [`Channel::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions
+//! and rates of rapids all use these two. Changes of programmed words before they are points are in
+//! [`Channel::work_point`] and [`Channel::programmed`]; polar interpolation is there, since events name the axes.
 //!
 //! Under compensation of the cutter radius `Place::position` is where the tool is, and [`Channel::contour`] the point of the
 //! work frame that the program has reached.
@@ -70,7 +70,7 @@ pub(crate) struct Frames {
     pub(crate) rounding: Option<f64>,
     /// Feeds that depend on the way.
     pub(crate) feeds: feeds::Feeds,
-    /// What incremental words travel beside their distance, by axis.
+    /// Distance that incremental words travel in addition to their value, by axis.
     pub(crate) ways: Option<Box<Position>>,
     /// Local shifts of inactive work offsets.
     pub(crate) shifts: Option<BTreeMap<u32, Shift>>,
@@ -177,7 +177,7 @@ impl Frames {
         }
     }
 
-    /// Puts what the local frame makes of a point back.
+    /// Puts a point transformed by the local frame back.
     fn put(&self, place: &Place, position: &mut Position, mut point: Point) {
         if let Some(across) = self.across(place) {
             *position.at_mut(across) = clean(point[1], position.at(across));
@@ -281,7 +281,7 @@ impl Channel<'_> {
         self.seen(&point)
     }
 
-    /// Executes what changes the way from the work frame to the axes: they stay where they are, and the contour too.
+    /// Changes the transformation from the work frame to the axes: the axes and the contour keep their positions.
     pub(crate) fn standing(&mut self, change: impl FnOnce(&mut Self)) {
         let machine = self.machine_point(&self.state.place.position);
         let contour = self.cutter().map(|cutter| cutter.contour).map(|contour| self.machine_point(&contour));
@@ -380,7 +380,7 @@ impl Channel<'_> {
         self.state.place.frames.get_or_insert_default()
     }
 
-    /// Something about the frames has changed: the machine stands still, the programmed point is what changes.
+    /// Something about the frames has changed: the machine does not move, only the programmed point changes.
     pub(crate) fn frames_changed(&mut self) {
         if let Some(frames) = self.state.place.frames.as_deref_mut() {
             frames.reached = None;

@@ -98,7 +98,7 @@ impl Channel<'_> {
         shift
     }
 
-    /// Length compensation along one direction: what the offset has along Z goes there.
+    /// Length compensation along one direction, with the amount that the offset has along Z.
     pub(crate) fn directed(&self, values: Position) -> Position {
         let direction = self.state.place.compensation.direction;
         if direction == 0 {

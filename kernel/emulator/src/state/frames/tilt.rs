@@ -129,7 +129,7 @@ impl Channel<'_> {
         self.state.place.frames.as_deref().and_then(|frames| frames.tilt.as_deref())
     }
 
-    /// From the program to the part without the plane that comes: what is outside of it.
+    /// From the program to the part without the new plane: the transformations outside it.
     pub(crate) fn around_plane(&self, add: bool) -> Affine {
         let Some(frames) = self.state.place.frames.as_deref() else { return Affine::SAME };
         match &frames.tilt {

@@ -11,7 +11,7 @@ use crate::state::channel::Channel;
 use counterpoint_event::event::{MAX_AXES, Position};
 
 impl Channel<'_> {
-    /// What incremental words count from, where that is not where the axes stand after a change of frames.
+    /// Reference of incremental words, if it is not the position of the axes after a change of frames.
     pub(crate) fn counts_from(&self) -> Option<Position> {
         (self.env.machine.habits.frame_increments || self.block.flags.travels).then(|| self.counted())
     }
@@ -27,7 +27,7 @@ impl Channel<'_> {
         from
     }
 
-    /// A frame has changed: what there is to travel since then.
+    /// A frame has changed: records the distance to travel since then.
     pub(crate) fn keep_ways(&mut self, before: Option<Position>) {
         let Some(before) = before else { return };
         let after = self.programmed();

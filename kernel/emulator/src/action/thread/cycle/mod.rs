@@ -19,7 +19,7 @@ use counterpoint_machine::ident::kind::thread::{Setting, ThreadCycle};
 use counterpoint_machine::index::AxisSlot;
 use passes::Plan;
 
-/// Codes and what they do.
+/// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::ThreadCycle(kind) => |act, _row, _code| cycle(act, kind)).moves().contour(Contour::Leaves),
     entry_of_kind!(CodeKind::ThreadSetting(setting) => |act, _row, _code| set(act, setting)).contour(Contour::Waits),

@@ -7,7 +7,7 @@
 /// Passes of a thread at most, finishing included.
 pub(super) const MOST_PASSES: usize = 1000;
 
-/// What the passes follow from; lengths are radius values.
+/// Data that determine the passes; lengths are radius values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
     /// `$THMODE`
@@ -20,7 +20,7 @@ pub(super) struct Plan {
     pub(super) least: f64,
     /// Number of passes before finishing, if programmed.
     pub(super) cuts: Option<u32>,
-    /// Finishing passes, and what is left for them.
+    /// Finishing passes, and their allowance.
     pub(super) finish_cuts: u32,
     pub(super) finish: f64,
 }

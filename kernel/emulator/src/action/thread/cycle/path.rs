@@ -94,7 +94,7 @@ impl Act<'_, '_> {
         let mut target = self.programmed();
         for ((axis, scale), value) in thread.axes.iter().zip(thread.scales).zip(places) {
             let (slot, wanted) = (target.at_mut(*axis), value / scale);
-            // What sums leave after the ninth digit is nothing that was programmed.
+            // Digits of sums after the ninth were not programmed.
             *slot = if (wanted - *slot).abs() < 1e-9 { *slot } else { wanted };
         }
         target

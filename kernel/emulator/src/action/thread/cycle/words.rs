@@ -1,7 +1,8 @@
 //! Data of threading cycles.
 //!
-//! *Invariant:* a cycle takes what it uses, across the thread only what belongs to that axis; the rest stays on the block and
-//! is reported. A value that makes no sense is diagnosed and ignored. Facts: reference control-emulator.md 6.5.
+//! *Invariant:* a cycle takes only the words it uses, and across the thread only those of that axis; the rest stays in
+//! the block and is reported. A value that makes no sense is diagnosed and ignored. Facts: reference
+//! control-emulator.md 6.5.
 
 use super::{Thread, ThreadCycle};
 use crate::act::Act;
@@ -19,7 +20,7 @@ const MOST_STARTS: f64 = 99.0;
 /// Identifiers of the positions of the axes.
 const AXES: [usize; 2] = [0, 2];
 
-/// What tells where a thread is: start and end as programmed, offset of the start, taper.
+/// Words for the place of a thread: start and end as programmed, offset of the start, taper.
 pub(super) type Said = ([Option<f64>; 2], [Option<f64>; 2], [Option<f64>; 2], f64);
 
 /// A position of a thread is on the block.
