@@ -113,7 +113,7 @@ impl Walk<'_> {
         self.path.poles = Poles { flat: Some(pole), upright: None };
         let lines = make(self);
         (self.path.plane, self.path.poles) = (working, poles);
-        // What follows in the working plane has no direction to go on from.
+        // The next element in the working plane has no direction to continue from.
         self.path.heading = None;
         lines
     }
