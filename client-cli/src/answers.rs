@@ -1,6 +1,6 @@
 //! Answers to dialogs from a file.
 //!
-//! *Invariant:* what is sent is what the file says; whether it fits the machine is for the server to say.
+//! *Invariant:* the sent answers are those of the file; the server decides whether they fit the machine.
 
 use std::path::Path;
 

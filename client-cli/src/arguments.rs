@@ -112,7 +112,7 @@ pub(crate) enum Command {
     /// List the jobs of a server
     #[command(after_help = JOBS_EXAMPLES)]
     Jobs(Jobs),
-    /// Show what is known about a job: state, machine, labels, times, verdict
+    /// Show the known data of a job: state, machine, labels, times, verdict
     Status(Status),
     /// Run a job again with its files, options and machine revision; print the new job's id
     Rerun(Rerun),
@@ -138,7 +138,7 @@ pub(crate) enum Command {
     /// Check, rewrite, run and explain macros
     #[command(subcommand)]
     Macro(crate::macros::arguments::Macro),
-    /// Show what decides the cycle time: critical path over the channels, slack, cost of waits, gain of a change
+    /// Show the causes of the cycle time: critical path over the channels, slack, cost of waits, gain of a change
     #[command(after_help = ANALYSE_EXAMPLES)]
     Analyse(Analyse),
     /// Fit the times of a machine to measured times of the lines of a program, and report how good the fit is
@@ -280,13 +280,13 @@ pub(crate) struct ResultArgs {
     pub(crate) remote: Remote,
 }
 
-/// What to explain.
+/// Subject to explain.
 #[derive(Debug, Args)]
 pub(crate) struct Explain {
     /// Explain this word or number, such as G76, 'M98 P', '#5021', no-feed, 2019001, PS0160, $FSIN, DECLAR or CODE_RAPID
     #[arg(value_name = "WORD|NUMBER", required = true)]
     pub(crate) words: Vec<String>,
-    /// Explain what it does on this machine: the name of a shipped machine, or a folder with machine.toml
+    /// Explain its meaning on this machine: the name of a shipped machine, or a folder with machine.toml
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
     /// Print JSON
@@ -294,7 +294,7 @@ pub(crate) struct Explain {
     pub(crate) json: bool,
 }
 
-/// What to analyse.
+/// Subject of the analysis.
 #[derive(Debug, Args)]
 pub(crate) struct Analyse {
     /// Analyse this job of the server, summary.json, or the output folder of a run; - reads the summary from standard input
@@ -338,7 +338,7 @@ pub(crate) enum Format {
     Json,
 }
 
-/// What an administrator asks for.
+/// Requests of an administrator.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Admin {
     /// List the connections of the server

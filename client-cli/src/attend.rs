@@ -227,7 +227,7 @@ fn is_enabled(field: &v1::DialogField, entered: &Values, start: &Values) -> bool
     is_set != field.enabled_unless
 }
 
-/// What a field accepts, shown after its label.
+/// Input that a field accepts, shown after its label.
 fn hint(kind: &Kind) -> String {
     match kind {
         Kind::LongestText(longest) => format!(", up to {longest} characters"),

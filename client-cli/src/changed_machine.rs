@@ -17,13 +17,13 @@ use crate::pack::Files;
 use crate::settings::Setting;
 use crate::tools::{Facts, Tools};
 
-/// What the name of a shipped machine ends with after a setting; the server keeps the names of shipped machines to itself.
+/// End of the name of a shipped machine after a setting; the server reserves the names of shipped machines.
 const CHANGED: &str = "-set";
 
 /// Suffix of the name of a machine whose channels share the variables of a setting.
 const SHARES: &str = "-shared";
 
-/// What the name of a machine ends with that has the tools of a run.
+/// End of the name of a machine that has the tools of a run.
 const TOOLS: &str = "-tools";
 
 /// A shipped machine or a folder, with all families, and the settings in it; returns the name of the machine, too.
@@ -85,9 +85,9 @@ fn has_systems(files: &Files, chain: &[String]) -> bool {
     kind.is_some_and(|kind| kind.ends_with("lathe")) && codes.into_iter().any(|row| row.get("systems").is_some())
 }
 
-/// The machine, or one that extends it by the settings: what they say about its control, where the last one of a key counts, and
-/// the variables that its channels share. The control of a composite is that of its components, which get definitions inside
-/// the folder of the machine; the lathes among them have systems of G codes.
+/// The machine, or one that extends it by the settings: those of its control, where the last one of a key counts, and
+/// the variables that its channels share. The control of a composite is that of its components, which get definitions
+/// inside the folder of the machine; the lathes among them have systems of G codes.
 fn extended(
     name: String,
     mut files: Files,

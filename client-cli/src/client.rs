@@ -141,7 +141,7 @@ impl Client {
         Ok(self.server.files(job).await?)
     }
 
-    /// Uploads what the server does not have; one in this process gets everything, without a copy.
+    /// Uploads the blobs that the server does not have; a server in this process gets all of them, without a copy.
     pub(crate) async fn upload(&self, blobs: &[Blob]) -> Result<(), Error> {
         let Some(own) = &self.own else { return Ok(self.server.upload(blobs).await?) };
         for blob in blobs {

@@ -47,7 +47,7 @@ fn filter(arguments: &JobFilter) -> v1::JobFilter {
     }
 }
 
-/// What a submit says besides programs and options.
+/// Content of a submit besides programs and options.
 pub(crate) fn request(arguments: &RequestArgs) -> v1::SubmitJobRequest {
     v1::SubmitJobRequest {
         request_id: arguments.request_id.clone().unwrap_or_else(counterpoint_client::request_id),

@@ -75,7 +75,7 @@ fn main() -> ExitCode {
     let result = match runtime {
         Ok(runtime) => {
             let result = runtime.block_on(commands::dispatch(arguments.command));
-            // What is left of connections and of the server inside ends with the process.
+            // Remaining connections, and the server in this process, end with the process.
             std::mem::forget(runtime);
             result
         }

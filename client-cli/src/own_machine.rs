@@ -14,7 +14,7 @@ use counterpoint_lang::ident;
 use crate::error::Error;
 use crate::say;
 
-/// Sections that a shop has to look at, with what there is to say about each.
+/// Sections that a shop has to review, each with a remark.
 const OWN: [(&str, &str); 3] = [
     ("[time]", "Times of the machine: tool change, functions, how axes share a rapid move."),
     (

@@ -93,7 +93,7 @@ impl Steps {
         }
     }
 
-    /// Removes what is shown.
+    /// Removes the displayed line.
     pub(crate) fn clear(self) {
         if let Self::Spinner(spinner) = self {
             spinner.finish_and_clear();

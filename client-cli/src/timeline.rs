@@ -1,6 +1,6 @@
 //! The timeline as text: one bar of coloured cells per channel, scaled to the width of the terminal.
 //!
-//! Each cell shows what took the largest share of its time span.
+//! Each cell shows the work with the largest share of its time span.
 
 use std::fmt::Write as _;
 

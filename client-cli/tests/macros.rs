@@ -164,7 +164,7 @@ fn lines_come_as_they_are_printed_and_a_closed_pipe_ends_the_run() {
     let mut command = command(folder.path(), &["run", "--ticks", "1000000000000", "loop.mac"]);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
-    // The macro never ends: what is read here was written while it runs.
+    // The macro never ends: the text read here was written while it runs.
     assert_eq!(lines.next().unwrap().unwrap(), "1");
     assert_eq!(lines.next().unwrap().unwrap(), "2");
     drop(lines);

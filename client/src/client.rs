@@ -94,7 +94,7 @@ impl Client {
         self.again(submit).await?.ok_or_else(|| Error::Contract("a submit was answered without a status".to_owned()))
     }
 
-    /// Uploads what the server does not have.
+    /// Uploads the blobs that the server does not have.
     ///
     /// # Errors
     /// As [`Client::submit`].

@@ -1,6 +1,6 @@
 //! A client of a Counterpoint server: [`Client::connect`], [`Client::submit`], [`Client::watch`], [`Client::document`].
 //!
-//! *Invariants:* a call is repeated only if repeating it cannot change what it does; a watch delivers every event of its
+//! *Invariants:* a call is repeated only if repeating it cannot change its effect; a watch delivers every event of its
 //! level exactly once and in order, even if connections break.
 #![doc = include_str!("../README.md")]
 

@@ -25,7 +25,7 @@ const CLOSING: Duration = Duration::from_secs(1);
 /// The items of a watch.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Update {
-    /// What is fixed about the job; once, before the first events.
+    /// The fixed data of the job; once, before the first events.
     Description(v1::JobDescription),
     /// Events; [`Watch::cursor`] is after them.
     Events(v1::EventBatch),
@@ -97,7 +97,7 @@ impl Watch {
         self.reconnects
     }
 
-    /// What comes next. After [`Update::Ended`] the same is returned again.
+    /// The next update. After [`Update::Ended`] the same is returned again.
     ///
     /// # Errors
     /// When the server refuses, does not keep to the contract, or was not reached within the patience of the client.

@@ -127,7 +127,7 @@ async fn every_event_comes_once_over_connections_that_break() {
     assert_eq!((described, status.state()), (1, v1::JobState::Succeeded));
     assert!(reconnects >= 3, "{reconnects}");
     assert!(connections.load(Ordering::SeqCst) > 3);
-    // From a cursor on, at another level: what comes is after it.
+    // From a cursor on, at another level: later events follow.
     let (numbers, ..) = follow(client.watch(&job, v1::WatchLevel::Blocks).after(400)).await;
     assert!(numbers.first().is_some_and(|first| *first > 400) && numbers.is_sorted());
     let whole = client.document(&job, &Document::Events).await.unwrap().whole().await.unwrap();
@@ -162,8 +162,8 @@ async fn a_watch_outlives_a_restart_of_the_server_and_a_submit_is_accepted_once(
     second.stop().await;
 }
 
-/// Passes connections on to a server and delivers the end of each stream (HEADERS with END_STREAM, RFC 9113 section 6.2)
-/// after what came before it.
+/// Passes connections on to a server and delivers the end of each stream (HEADERS with END_STREAM, RFC 9113 section
+/// 6.2) after the data before it.
 async fn late_ends(to: SocketAddr) -> SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();

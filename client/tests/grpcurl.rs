@@ -1,5 +1,5 @@
-//! Every line with `grpcurl` in docs/api.md is carried out against a server, in order, as grpcurl would do it: what a
-//! call takes and gives is learned through reflection, messages come from JSON and go to JSON.
+//! Every line with `grpcurl` in docs/api.md is executed against a server, in order, as grpcurl would do it: the input
+//! and output of a call are learned through reflection, messages come from JSON and go to JSON.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 

@@ -1,8 +1,8 @@
 //! Copies of a data folder: made while a server runs or not, and put back.
 //!
-//! A file in the folder of a running server requests a copy of its ledger; everyone who may write there may request it. What
-//! the rows of that copy need never changes once it is there, so it is copied without the server. Invariant: a backup
-//! is a data folder of its own, whole at the end of the call or not used.
+//! A file in the folder of a running server requests a copy of its ledger; every user with write access to the folder
+//! may request it. Files that the rows of that copy need never change once they exist, so they are copied without the
+//! server. Invariant: a backup is a data folder of its own, complete at the end of the call or not used.
 
 use std::fs::{self, File};
 use std::io;

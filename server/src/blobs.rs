@@ -28,7 +28,7 @@ pub(crate) fn is_digest(text: &str) -> bool {
     text.len() == 64 && text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// Keeps the blobs of a tenant: what others have uploaded is not there. All calls may block.
+/// Keeps the blobs of a tenant: uploads of other tenants are not visible. All calls may block.
 pub(crate) trait Blobs: Send + Sync + Debug {
     /// Those of a tenant.
     fn of(&self, tenant: &str) -> Arc<dyn Blobs>;

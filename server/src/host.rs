@@ -1,6 +1,6 @@
 //! The requirements of the server to its host.
 //!
-//! Invariant: [`Host`] is about this machine alone; what other machines must know is in ledger, queue, logs and blobs.
+//! Invariant: [`Host`] is about this machine alone; data that other machines need are in ledger, queue, logs and blobs.
 
 use std::fmt::Debug;
 use std::io;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// The machine.
 pub(crate) trait Host: Send + Sync + Debug {
-    /// Free bytes for what the server stores; `None` where the system does not say.
+    /// Free bytes for the server's storage; `None` if the system does not report them.
     fn free(&self) -> Option<u64>;
 
     /// Marks a job as running, with the number of its run. The mark is not made durable: it is for the server after one

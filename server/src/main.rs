@@ -32,14 +32,14 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Examine the data folder of a stopped server: every damage, and what to do
+    /// Examine the data folder of a stopped server: show every damage with its remedy
     ///
     /// Exit code: 0 = no damage is left, 1 = there is damage, 3 = the folder cannot be examined.
     Doctor {
         /// Data folder
         #[arg(long, value_name = "FOLDER")]
         data: Option<PathBuf>,
-        /// Remove what nobody can read or use
+        /// Remove files that cannot be read or used
         #[arg(long)]
         repair: bool,
     },
@@ -74,7 +74,7 @@ enum Token {
         /// Tenant that its caller belongs to
         #[arg(long)]
         tenant: String,
-        /// What its caller may do
+        /// Rights of its caller
         #[arg(long, value_enum)]
         role: Role,
         /// Name of its caller in the audit log
@@ -89,7 +89,7 @@ enum Token {
     },
 }
 
-/// Does what needs no server of its own.
+/// Executes commands that need no server of their own.
 fn run(command: &Command, options: &Options) -> ExitCode {
     let data = &options.data;
     let done = match command {
@@ -131,7 +131,7 @@ fn new_token(name: &str, tenant: &str, role: Role, days: Option<u64>, access: &P
     Ok(())
 }
 
-/// Examines a folder and prints what was found.
+/// Examines a folder and prints the findings.
 fn examine(folder: &Path, repair: bool) -> ExitCode {
     let found = match doctor::examine(folder, repair) {
         Ok(found) => found,

@@ -12,7 +12,7 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
 use prometheus_client::registry::{Metric, Registry};
 
-/// Name as it is shown, kind, and what it is.
+/// Displayed name, kind, and description.
 pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     ("counterpoint_calls_total", "counter", "Calls answered, by `call` and `code`"),
     ("counterpoint_call_seconds", "histogram", "Time until a call was answered, of a stream until it began, by `call`"),
@@ -59,7 +59,7 @@ type Two = [(&'static str, &'static str); 2];
 type ByTenant = [(&'static str, String); 1];
 type ByClass = [(&'static str, String); 2];
 
-/// What waits of one tenant and priority: jobs, and the age of the oldest in seconds.
+/// Waiting jobs of one tenant and priority: their number, and the age of the oldest in seconds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Waiting {
     pub(crate) tenant: String,
@@ -233,7 +233,7 @@ impl Metrics {
         self.storage.commit_seconds.observe(time.as_secs_f64());
     }
 
-    /// Sets what waits and how many jobs of each tenant are held back. A tenant without jobs is shown no longer.
+    /// Sets the waiting jobs and the number of paused jobs of each tenant. A tenant without jobs is no longer shown.
     pub(crate) fn queue(&self, waiting: impl Iterator<Item = Waiting>, paused: impl Iterator<Item = (String, i64)>) {
         self.jobs.queued.clear();
         self.jobs.age.clear();
@@ -248,7 +248,7 @@ impl Metrics {
         }
     }
 
-    /// Sets what each tenant uses. A tenant that uses nothing is shown no longer.
+    /// Sets the usage of each tenant. A tenant without usage is no longer shown.
     pub(crate) fn tenants(&self, used: impl Iterator<Item = (String, Used)>) {
         let Tenants { running, bytes, cpu_s } = &self.tenants;
         [running, bytes, cpu_s].iter().for_each(|family| family.clear());

@@ -111,7 +111,7 @@ pub enum Error {
         /// The error of the system.
         error: std::io::Error,
     },
-    /// It is not what it should be.
+    /// The content is not valid.
     #[error("{path}: {error}")]
     Parse {
         /// The file.
@@ -170,7 +170,7 @@ impl Options {
     }
 }
 
-/// Flags and environment; what is absent is taken from the file or the defaults.
+/// Flags and environment; options absent here come from the file or the defaults.
 #[derive(Debug, Default, clap::Args)]
 pub struct Flags {
     /// Address to listen on; port 0 = any free port

@@ -81,7 +81,7 @@ pub enum Refusal {
         /// Last event.
         last: u64,
     },
-    /// The cursor of a watch of many jobs is older than what the server remembers.
+    /// The cursor of a watch of many jobs is older than the server's memory of changes.
     #[error(
         "changes after the cursor {after} are forgotten, the oldest cursor is {oldest}: list the jobs and watch anew"
     )]
@@ -91,7 +91,7 @@ pub enum Refusal {
         /// The oldest that can be continued from.
         oldest: u64,
     },
-    /// A tenant has used up what it may.
+    /// A tenant has reached a quota.
     #[error("the tenant '{tenant}' has reached its quota {quota} of {limit}: {text}")]
     Quota {
         /// The tenant.
@@ -112,7 +112,7 @@ pub enum Refusal {
         /// Last sequence number sent on the stream.
         cursor: u64,
     },
-    /// The disk or another part of the host failed; what was asked may work later.
+    /// The disk or another part of the host failed; the same request may succeed later.
     #[error("storage failed: {0}")]
     Storage(String),
     /// The disk has too little free space for new work.
@@ -173,7 +173,7 @@ impl Refusal {
         Self::Quota { tenant: tenant.to_owned(), quota, limit, text }
     }
 
-    /// What a status without details says, which the transport has made.
+    /// Refusal for a status without details, which the transport has made.
     pub(crate) fn of_transport(status: &Status) -> Self {
         let text = status.message().to_owned();
         match status.code() {

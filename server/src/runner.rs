@@ -14,7 +14,7 @@ use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::options::Options;
 use counterpoint_kernel::plans::Plans;
 
-/// What a job consists of, resolved.
+/// Components of a job, resolved.
 #[derive(Debug)]
 pub struct Task {
     /// The checked machine.

@@ -1,7 +1,7 @@
 //! The server as a component: [`build`] it, [`Service::run`] it until it is asked to stop.
 //!
-//! Invariant: [`Service::run`] returns within the grace time plus two seconds of the stop signal, regardless of what clients
-//! do (a client that never answers would hold a graceful shutdown forever).
+//! Invariant: [`Service::run`] returns within the grace time plus two seconds of the stop signal, regardless of the
+//! behaviour of clients (a client that never answers would hold a graceful shutdown forever).
 
 use std::collections::BTreeMap;
 use std::future::Future;
@@ -84,7 +84,7 @@ pub struct Service {
     stop: tokio::sync::watch::Sender<Stop>,
 }
 
-/// What a server was asked to do.
+/// Request to a server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Stop {
     No,
@@ -121,13 +121,14 @@ impl Handle {
         format!("{}://{}", if self.gate.encrypts() { "https" } else { "http" }, self.address)
     }
 
-    /// Reads identities and certificates again, and opens the audit log again. What cannot be read stays as it is.
+    /// Reads identities and certificates again, and reopens the audit log. Files that cannot be read keep their
+    /// previous content.
     pub fn reload(&self) {
         self.gate.reload();
     }
 
     /// Keeps a content that the caller, in this process, has in memory and has named by its SHA-256 (64 lower-case
-    /// hexadecimal digits): what an upload by the default tenant does, without a copy.
+    /// hexadecimal digits): the same as an upload by the default tenant, without a copy.
     ///
     /// # Errors
     /// As an upload is refused.
@@ -139,7 +140,7 @@ impl Handle {
         Ok(core.blobs.put(digest, content)?)
     }
 
-    /// Replaces the tables of single tenants: their quotas, and what is kept of them.
+    /// Replaces the tables of single tenants: their quotas and retention.
     pub fn set_tenants(&self, tenants: BTreeMap<String, Tenant>) {
         if let Some(core) = self.core.upgrade() {
             core.set_tenants(tenants);

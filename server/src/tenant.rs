@@ -5,7 +5,7 @@
 /// Tenant of callers without an identity, and of everything stored before there were tenants.
 pub(crate) const DEFAULT: &str = "default";
 
-/// What a name of a tenant must be, for messages.
+/// Rule for names of tenants, for messages.
 pub(crate) const RULE: &str = "1 to 63 characters of a-z 0-9 - _, the first a letter or digit";
 
 /// Same as [`DEFAULT`], for rows that were written before there were tenants.

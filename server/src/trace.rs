@@ -1,7 +1,7 @@
 //! The W3C trace context of a job: the trace of its client, continued.
 //!
-//! *Invariant:* a job has one trace and one span in all its runs and on all servers: both come from what the
-//! client sent and from the id of the job.
+//! *Invariant:* a job has one trace and one span in all its runs and on all servers: both derive from the client's
+//! request and from the id of the job.
 
 use sha2::{Digest as _, Sha256};
 

@@ -21,7 +21,7 @@ fn yaml(text: &str) -> Value {
     serde_saphyr::from_str(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// Names of metrics in the docs, which another test compares with what the server shows.
+/// Names of metrics in the docs, which another test compares with those of the server.
 fn metrics() -> BTreeSet<String> {
     let docs = read("docs/operations.md");
     let rows = docs.split_once("| metric | kind | meaning |").unwrap().1.lines().skip(2);
@@ -153,7 +153,7 @@ fn the_container_file_builds_what_is_there_as_nobody() {
     assert!(of("COPY")[1].contains("/release/counterpointd ") && of("COPY")[1].ends_with("/usr/local/bin/"));
 }
 
-/// Carries out what the templates of the chart use of the language of Helm.
+/// Executes the part of the Helm language that the templates of the chart use.
 struct Render<'a> {
     scope: &'a Value,
 }

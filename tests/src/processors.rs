@@ -99,7 +99,7 @@ const THREADS: &str = "COUNTERPOINT_TEST_THREADS";
 /// A process that has not ended after this time hangs.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// Number of threads that jobs get in place of what their test asks for.
+/// Number of threads that jobs get instead of the number that their test requests.
 #[must_use]
 pub fn forced_threads() -> Option<u16> {
     std::env::var(THREADS).ok()?.parse().ok()
@@ -137,7 +137,7 @@ pub fn everywhere(settings: &[Setting], except: &str, environment: &[(&str, &str
     }
 }
 
-/// Whether a process came to a good end, and what it printed.
+/// Whether a process ended successfully, and its output.
 fn ended(mut command: Command) -> (bool, String) {
     let mut child = command.spawn().expect("the process starts");
     // Read at once, or a process that prints much would wait indefinitely.

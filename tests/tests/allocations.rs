@@ -1,7 +1,8 @@
 //! Memory allocations of a pass of a loop, for the statements of each control.
 //!
-//! Motion in the form of the control allocates nothing once the loop runs; what a statement of a pre-processor may allocate is
-//! bounded. Work that a pass repeats although nothing has changed is visible here, regardless of the load.
+//! Motion in the form of the control allocates nothing once the loop runs; the allocations of a statement of a
+//! pre-processor are bounded. Work that a pass repeats although nothing has changed is visible here, regardless of the
+//! load.
 
 use std::alloc::System;
 
@@ -20,8 +21,8 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 /// Passes of a run; the other run has twice as many.
 const PASSES: usize = 2_000;
 
-/// A loop: machine, what it extends it by, file, program with `{n}` passes, and most allocations of a pass. Calls have names of
-/// programs in their events; a statement that becomes words is text that is read again.
+/// A loop: machine, its additions, file, program with `{n}` passes, and maximum allocations of a pass. Calls have names
+/// of programs in their events; a statement that becomes words is text that is read again.
 const LOOPS: [(&str, &str, &str, &str, f64); 11] = [
     (
         "fanuc-mill-quiet",
@@ -117,7 +118,7 @@ fn allocations(machine_name: &str, overlay: &str, file: &str, program: &str, pas
 fn a_pass_of_a_loop_allocates_no_more_than_it_needs() {
     let mut over = Vec::new();
     for (machine, overlay, file, program, most) in LOOPS {
-        // The machine is loaded, and what is made once in a process is made.
+        // Loads the machine and makes the data that a process makes once.
         allocations(machine, overlay, file, program, 10);
         let [few, many] = [PASSES, 2 * PASSES].map(|passes| allocations(machine, overlay, file, program, passes));
         let each = (many as f64 - few as f64) / PASSES as f64;

@@ -1,7 +1,7 @@
 //! The coverage of the spec pages: identifiers, system variables.
 //!
-//! Every example of `tests/spec/emulator` and `tests/spec/tables` is run with the trace of codes and data; what comes
-//! up there has been shown. Every built-in identifier must.
+//! Every example of `tests/spec/emulator` and `tests/spec/tables` is run with the trace of codes and data; identifiers
+//! in that trace have been shown. Every built-in identifier must be shown.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

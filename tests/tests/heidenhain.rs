@@ -281,7 +281,7 @@ proptest! {
             _ => machine("heidenhain-mill-5axis", "[[tool.offsets]]\nnumber = 5\nradius = 3\n"),
         };
         let work = |threads| Work::texts(machine.clone(), &[&text], options(threads));
-        // What cannot begin has no log.
+        // A job that cannot start has no log.
         if let Ok(one) = work(1).run(None) {
             let many = work(0).run(None).unwrap();
             prop_assert_eq!(&one.events, &many.events);

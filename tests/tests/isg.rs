@@ -103,7 +103,7 @@ proptest! {
         );
         let machine = machine("isg-3ch", &overlay);
         let work = |threads| Work::texts(machine.clone(), &[&one, &two, &three], options(threads));
-        // What cannot begin has no log.
+        // A job that cannot start has no log.
         if let Ok(one) = work(1).run(None) {
             let many = work(0).run(None).unwrap();
             prop_assert_eq!(&one.events, &many.events);

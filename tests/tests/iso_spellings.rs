@@ -203,7 +203,7 @@ fn spelled(elements: &[Element]) -> [String; 2] {
     [plain + "END PGM P MM\n", iso + "N99999999 %P G71 *\n"]
 }
 
-/// What the axes did: kind, end, feed and time of each move; what was reported, and the time at the end.
+/// Moves of the axes: kind, end, feed and time of each move; the reports, and the time at the end.
 #[derive(Debug)]
 struct Ran {
     moves: Vec<(MotionKind, [f64; 3], f64, i64)>,

@@ -1,4 +1,4 @@
-//! What a kernel keeps of lines that come again changes nothing: a job with a trace, which keeps nothing, has the same events.
+//! A kernel's memory of repeated lines changes nothing: a job with a trace, which keeps nothing, has the same events.
 //!
 //! Programs are made at random: loops and jumps, calls with and without arguments, modal calls and cycles, compensation,
 //! frames and incremental words, in such an order that a line is met again in another state than the first time.
@@ -8,7 +8,7 @@ use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Done, Work, cases, machine};
 use proptest::prelude::*;
 
-/// A control: its machine, what stands around the lines, and the lines that a program is made of.
+/// A control: its machine, the text around the lines, and the lines of its programs.
 struct Control {
     machine: &'static str,
     overlay: &'static str,

@@ -18,7 +18,7 @@ const LENGTHS: &str = "[compensation]\nlength_change = \"CHANGE\"
 [[tool.offsets]]\nnumber = 3\nvalues = { Z = 7.5 }\n";
 const VALUES: [f64; 4] = [0.0, 50.0, -20.0, 7.5];
 
-/// A block: what it says of the length (0 nothing, 1 G43 H, 2 G44 H, 3 G49, 4 H alone), the number, G91, Z, X.
+/// A block: its length word (0 nothing, 1 G43 H, 2 G44 H, 3 G49, 4 H alone), the number, G91, Z, X.
 type Block = (u8, usize, bool, Option<i32>, bool);
 
 fn text(blocks: &[Block]) -> String {

@@ -184,8 +184,8 @@ fn all_unknown_words_are_reported_in_one_go() {
     assert_eq!((summary.state, found(&summary)), (State::Failed, vec![(unknown, 1, 5)]));
 }
 
-/// What depends on the order in which channels come is not judged: an axis that changes its channel twice, a flag whose
-/// waiting channels name different partners.
+/// Results that depend on the order of arrival of channels are not judged: an axis that changes its channel twice, a
+/// flag whose waiting channels name different partners.
 #[test]
 fn waits_that_depend_on_the_order_of_channels_are_no_deadlock() {
     let lease = judged(

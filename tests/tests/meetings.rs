@@ -98,7 +98,7 @@ fn one_of_the_most_is_missing() {
     }
 }
 
-/// All 32 poll what the next one would write.
+/// All 32 channels poll a variable that the next channel would write.
 #[test]
 fn the_most_channels_poll_in_a_ring() {
     let _alone = alone();

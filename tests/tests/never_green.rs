@@ -1,5 +1,5 @@
-//! A job with a channel that did not come to its end, or that went on after an alarm, never counts as succeeded: every way
-//! to end × every way to soften what is said about it.
+//! A job with a channel that did not reach its end, or that continued after an alarm, never counts as succeeded: every
+//! way to end × every way to soften the reports about it.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -141,7 +141,7 @@ const ENDS: &[End] = &[
     },
 ];
 
-/// How what is said is made softer. The first one says it as it is.
+/// Ways to soften the reports. The first one leaves them unchanged.
 const SOFTENED: &[&str] = &["as it is", "row", "floor", "$FERSEV", "$FERSTA", "$ERRMSG", "$P1=0"];
 
 fn machine(end: &End, soft: &str, stops: bool) -> Arc<Machine> {

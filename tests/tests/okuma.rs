@@ -83,7 +83,7 @@ proptest! {
         let overlay = format!("preprocessor = \"okuma\"\n[variables]\nown_common = {own}\n");
         let machine = machine("fanuc-2path-lathe-exact", &overlay);
         let work = |threads| Work::texts(machine.clone(), &[&upper, &lower], options(threads));
-        // What cannot begin has no log.
+        // A job that cannot start has no log.
         if let Ok(one) = work(1).run(None) {
             let many = work(0).run(None).unwrap();
             prop_assert_eq!(&one.events, &many.events);

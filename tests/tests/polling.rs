@@ -29,7 +29,7 @@ enum Step {
     Poll(u64, u32),
 }
 
-/// A program, and what it does.
+/// A program, and its steps.
 fn program(own: u16, numbers: &mut Numbers) -> (String, Vec<Step>) {
     let mut lines: Vec<String> = vec![format!("O{own}")];
     if own == 1 {

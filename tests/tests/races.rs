@@ -11,7 +11,7 @@ use counterpoint_tests::{Work, machine};
 const RACE: u32 = 2_900_440;
 const SPINDLE: u32 = 2_900_022;
 
-/// Numbers and texts of what is reported of two programs, the same with one thread as with two.
+/// Numbers and texts of the reports about two programs, the same with one thread as with two.
 fn reported(machine: &Arc<Machine>, texts: &[&str]) -> Vec<(u32, String)> {
     let options = Options { races: Races::Warn, ..Options::default() };
     let mut work = Work::texts(Arc::clone(machine), texts, options);

@@ -1,4 +1,4 @@
-//! What a control remembers of its words: after every block codes, system variables, summary and stepping say the same.
+//! A control's memory of its words: after every block codes, system variables, summary and stepping agree.
 //!
 //! Programs are made at random for a mill: offset numbers with and without their codes, macros and subprograms, data that G10
 //! sets, blocks that a macro issues (EXEC), and a second program after a reset. A model that shares nothing with the kernel keeps
@@ -97,7 +97,7 @@ impl Maker<'_> {
         self.made.text.push('\n');
     }
 
-    /// A block, with a sequence number sometimes, and the line that prints what is remembered.
+    /// A block, with a sequence number sometimes, and the line that prints the remembered values.
     fn block(&mut self, text: &str) {
         if self.rng.u8(0..3) == 0 {
             self.n += 1;
@@ -305,7 +305,7 @@ impl Sink for Log {
     }
 }
 
-/// What a run has told.
+/// Reports of a run.
 struct Told {
     summary: Summary,
     events: Vec<Event>,

@@ -152,8 +152,8 @@ fn run(name: &str, path: &Path) {
     );
 }
 
-/// What the judgement without a run says holds in the run: programs without a mistake come to their end or to an alarm that has
-/// nothing to do with waits, and programs with one do not.
+/// The judgement without a run holds in the run: programs without a mistake reach their end or an alarm that has
+/// nothing to do with waits, and programs with a mistake do not.
 #[test]
 fn the_judgement_without_a_run_is_true() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");

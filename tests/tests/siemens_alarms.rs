@@ -54,7 +54,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("17020", MILL, "DEF INT A[3]\nA[7]=1"),
 ];
 
-/// What a control does that is near to an alarm.
+/// Permitted words that are close to an alarm.
 const ALLOWED: &[(&str, &str)] = &[
     (MILL, "$TC_DP6[1,1]=5\nT1 M6\nG0 X0 Y0\nG41 G1 X5 Y0 F100\nX10\nM8\nM9\nM8\nY30\nG40 X20"),
     (MILL, "DEF INT A\n; comment\nN10 DEF REAL B=2 ; second\nG0 X=B"),

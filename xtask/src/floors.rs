@@ -1,7 +1,7 @@
 //! The floors of the house: which crate may depend on which.
 //!
-//! Invariant: a crate depends only on crates of floors below its own; those of one floor do not know each other. What only
-//! tests of a crate use does not count.
+//! Invariant: a crate depends only on crates of floors below its own; crates of one floor do not know each other.
+//! Dependencies that only tests of a crate use do not count.
 
 use crate::graph::Package;
 

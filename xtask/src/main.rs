@@ -52,7 +52,7 @@ fn spec(filter: &[&str]) -> bool {
     pages.iter().filter(|pages| !run(pages)).count() == 0
 }
 
-/// Prints what a check found; whether it found nothing.
+/// Prints the findings of a check; returns whether there are none.
 fn is_clean(findings: Result<Vec<String>, String>) -> bool {
     match findings {
         Ok(findings) => {

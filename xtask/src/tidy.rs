@@ -1,9 +1,9 @@
-//! What the code must look like: arrows between crates go down the floors (`floors`), no cycles between the modules of
-//! a crate, files of at most [`LINES`] lines, types of at most
-//! [`FIELDS`] fields, but for those that are a table by nature (settings, rows, what goes over the wire).
+//! Rules for the code: arrows between crates go down the floors (`floors`), no cycles between the modules of a crate,
+//! files of at most [`LINES`] lines, types of at most [`FIELDS`] fields, except for types that are a table by nature
+//! (settings, rows, messages on the wire).
 //!
-//! What does not hold yet is listed in `xtask/tidy.toml`. Invariant: that list only shrinks: something new is a finding, and so is
-//! an entry that nothing needs any more.
+//! Known exceptions are listed in `xtask/tidy.toml`. Invariant: that list only shrinks: a new exception is a finding,
+//! and so is an unneeded entry.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -21,7 +21,7 @@ pub const LINES: usize = 500;
 pub const FIELDS: usize = 15;
 const LIST: &str = "xtask/tidy.toml";
 
-/// What does not hold yet, or never will for a reason.
+/// Exceptions that remain to be fixed, or that stay for a reason.
 #[derive(Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 struct Exceptions {

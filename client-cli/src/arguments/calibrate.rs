@@ -36,7 +36,7 @@ pub(crate) struct Calibrate {
 }
 
 impl Calibrate {
-    /// What the job is made of.
+    /// The inputs of the job.
     pub(crate) fn inputs(&self) -> Inputs {
         Inputs { files: self.files.clone(), ..Inputs::plain(&self.programs) }
     }

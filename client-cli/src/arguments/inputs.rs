@@ -7,7 +7,7 @@ use clap::Args;
 use crate::encoding::Encoding;
 use crate::settings::Setting;
 
-/// What a job is made of.
+/// Inputs of a job.
 #[derive(Debug, Args)]
 pub(crate) struct Inputs {
     /// Run these programs, one per channel from left to right; FILE#2102 is program O2102 of FILE,
@@ -130,7 +130,7 @@ impl Inputs {
     }
 }
 
-/// What the operator does while the job runs.
+/// Actions of the operator while the job runs.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(crate) struct Attended {
     /// Ask the operator when a dialog has no prepared answer: `run` asks on this terminal (the default there), `submit`
@@ -154,7 +154,7 @@ pub(crate) struct Switches {
     pub(crate) opstop: bool,
 }
 
-/// What follows from a race over a shared variable.
+/// Consequence of a race over a shared variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum RaceCheck {
     /// Races are not looked for.

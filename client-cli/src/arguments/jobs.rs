@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 
 use crate::remote::Remote;
 
-/// What a job is besides its programs and options.
+/// Properties of a job besides its programs and options.
 #[derive(Debug, Args)]
 pub(crate) struct RequestArgs {
     /// Identify the request: a repeated id returns the same job instead of creating a new one

@@ -36,7 +36,7 @@ pub(crate) struct Lint {
 }
 
 impl Lint {
-    /// What the job is made of.
+    /// The inputs of the job.
     pub(crate) fn inputs(&self) -> Inputs {
         Inputs {
             on: self.on.clone(),

@@ -64,7 +64,7 @@ impl Datum {
         let mut all: Vec<Self> = Vec::new();
         for text in texts {
             for number in m_numbers(text) {
-                // What changes tools has its times in `tool_change`.
+                // Codes that change tools have their times in `tool_change`.
                 let takes = |row: &CodeRow| row.enable && !matches!(row.id.kind(), CodeKind::Tool);
                 let row = machine.codes.find(|row| is_m(machine, &row.form, number) && takes(row));
                 if let Some(row) =

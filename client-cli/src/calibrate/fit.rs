@@ -85,7 +85,7 @@ fn slopes<E>(
     Ok(if columns.is_empty() { DMatrix::zeros(now.len(), 0) } else { DMatrix::from_columns(&columns) })
 }
 
-/// Standard errors of the parameters by the spread of what is left.
+/// Standard errors of the parameters from the spread of the residuals.
 fn errors(slopes: &DMatrix<f64>, left: &DVector<f64>) -> Vec<Option<f64>> {
     let (rows, columns) = slopes.shape();
     let freedom = rows.saturating_sub(columns);

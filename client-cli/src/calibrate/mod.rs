@@ -1,7 +1,7 @@
 //! `counterpoint calibrate`: fits the times of a machine to measured times of the lines of a program.
 //!
-//! The program runs in this process with other data of the machine until the squares of the differences are least. *Invariant:* what
-//! is reported as fitted is what the machine runs with.
+//! The program runs in this process with other data of the machine until the squares of the differences are least.
+//! *Invariant:* the values reported as fitted are those with which the machine runs.
 
 mod data;
 mod fit;
@@ -36,7 +36,7 @@ const LEAST: f64 = -14.0;
 /// Measured lines named in a message.
 const NAMED: usize = 5;
 
-/// Programs and files of the runs, and what was measured.
+/// Programs and files of the runs, and the measured times.
 struct Trial {
     machine: Machine,
     programs: Vec<Program>,
@@ -136,7 +136,7 @@ impl Trial {
         data.extend(Datum::of_codes(&self.machine, measured));
         let started = self.with(&data, &data.iter().map(|datum| self.parameter(datum)).collect::<Vec<_>>());
         let untouched = self.differences(&self.seconds(&self.run(started)?));
-        // What changes no measured line has nothing to be fitted by.
+        // A datum that changes no measured line cannot be fitted.
         let mut kept = Vec::new();
         for datum in data {
             let start = self.parameter(&datum);
@@ -218,7 +218,7 @@ impl Trial {
     }
 }
 
-/// The value of a datum from what was fitted.
+/// The value of a datum from its fitted parameter.
 fn actual(datum: &Datum, value: f64) -> f64 {
     if datum.is_factor() { value.max(LEAST).exp() } else { value.max(0.0) }
 }

@@ -14,7 +14,8 @@ use crate::text::{more, table};
 /// Lines shown at most.
 const ROWS: usize = 10;
 
-/// How good times are: root of the mean square of the differences, seconds; and the sum, as a part of what was measured.
+/// Quality of the times: root of the mean square of the differences, seconds; and the sum, as a part of the measured
+/// time.
 struct Quality {
     rms: f64,
     whole: f64,

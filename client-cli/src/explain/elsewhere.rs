@@ -62,7 +62,7 @@ fn grouped<'m>(all: impl Iterator<Item = (&'m str, Vec<String>)>) -> Vec<Value> 
     found.into_iter().map(row).collect()
 }
 
-/// What the whole definition of a machine and the pages of its control say of a text.
+/// Mentions of a text in the whole definition of a machine and in the pages of its control.
 fn described(subject: &Subject, asked: &str) -> Vec<String> {
     let words = subject.looked_up(asked);
     if words.iter().any(|word| word.at("known") == false) {

@@ -157,7 +157,7 @@ impl Caller {
 
     async fn follow(&self, job: &Job, due: Instant) -> Result<(), String> {
         let request = v1::SubmitJobRequest { request_id: request_id(), ..job.request.clone() };
-        // Not repeated: what the server refuses is to be counted.
+        // Not repeated: refusals by the server are to be counted.
         let answer = self.client.jobs().submit_job(request).await.map_err(|status| reason(&status.into()))?;
         let id = answer.into_inner().status.unwrap_or_default().job_id;
         {

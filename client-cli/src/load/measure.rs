@@ -183,7 +183,7 @@ impl Measured {
         self.count(|counts| counts.events += events);
     }
 
-    /// Counts what went wrong, by its reason.
+    /// Counts an error by its reason.
     pub(super) fn error(&mut self, reason: &str) {
         self.count(|counts| counts.errors += 1);
         if self.in_window(Instant::now()) || reason == super::drive::UNFINISHED {

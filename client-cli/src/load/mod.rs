@@ -1,7 +1,7 @@
 //! `load`: submits a mix of jobs to a server at a rate or by callers, follows them, and reports how that went.
 //!
-//! *Invariants:* a latency counts from the moment at which its job was due, so a server that falls behind cannot hide it; what
-//! began during the warm-up is in no figure.
+//! *Invariants:* a latency counts from the moment at which its job was due, so a server that falls behind cannot hide
+//! it; jobs that started during the warm-up are in no figure.
 
 pub(crate) mod arguments;
 mod drive;

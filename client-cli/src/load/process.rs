@@ -11,7 +11,7 @@ use super::folder::Folder;
 /// Ticks of a second.
 const TICKS: f64 = 100.0;
 
-/// What a process used since the last time.
+/// Resources that a process used since the last time.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Sample {
     /// Processors in use, 1.0 = one all the time.

@@ -8,7 +8,7 @@ use super::arguments::Thresholds;
 use super::growth::Growth;
 use super::measure::{Measured, Stretch};
 
-/// A threshold and what was measured.
+/// A threshold and the measured value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Threshold {
     pub(super) what: &'static str,

@@ -51,7 +51,7 @@ const NAMED: &[Row] = &[
     ("data", "data macro", "A row of [[macros.data]]: runs when an action takes a value, and may change the value."),
 ];
 
-/// The name without what all such names have.
+/// The name without the part that all such names have.
 fn plain(name: &str) -> String {
     let name = name.to_lowercase().replace("pre-processor", "preprocessor").replace('_', " ");
     let name = name.trim();
@@ -59,7 +59,7 @@ fn plain(name: &str) -> String {
     name.strip_suffix("event").unwrap_or(name).trim().to_owned()
 }
 
-/// What a kind of macro is.
+/// Description of a kind of macro.
 pub(super) fn kind(what: &str) -> Option<String> {
     let wanted = plain(what);
     let title = |key: &str| Hook::ALL.into_iter().find(|hook| hook.key() == key).map(Hook::title);

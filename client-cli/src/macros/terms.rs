@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use counterpoint_lang::format::{Code, Format, Numeric, Piece, Point, Register, Style, Zeros, wildcard_text};
 use counterpoint_lang::ident::{self, Reserved};
 
-/// Spellings, divided by blanks, and what they mean.
+/// Spellings, divided by blanks, and their meaning.
 type Row = (&'static str, &'static str);
 
 const OPERATORS: &[Row] = &[
@@ -138,7 +138,7 @@ const KEYWORDS: &[Row] = &[
     ("REG_NONE", "No data."),
 ];
 
-/// Argument, kind of macro, and what the argument holds; an asterisk marks arguments that the macro may set.
+/// Argument, kind of macro, and content of the argument; an asterisk marks arguments that the macro may set.
 const ARGUMENTS: &[(u8, &str, &str)] = &[
     (
         1,
@@ -197,7 +197,7 @@ const ARGUMENTS: &[(u8, &str, &str)] = &[
     (10, "subprogram startup and shutdown", "* line in the file, -1 if it was not found"),
 ];
 
-/// Arguments of a kind of macro, with what they hold.
+/// Arguments of a kind of macro, with their content.
 pub(super) fn arguments_of(kind: &str) -> impl Iterator<Item = (u8, &'static str)> {
     let both = "pre-processor and block startup and shutdown";
     let is = move |of: &str| of == kind || of == both && both.ends_with(kind.trim_start_matches("pre-processor "));

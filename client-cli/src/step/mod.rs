@@ -1,7 +1,7 @@
 //! Steps through a job: commands are read line by line from standard input, stops and answers go to standard output.
 //!
-//! *Invariant:* each line is carried out before the next one is read, so commands in a file do what the same commands typed by a
-//! person do; the end of the input lets the job run to its end.
+//! *Invariant:* each line is executed before the next one is read, so commands in a file have the same effect as typed
+//! commands; the end of the input lets the job run to its end.
 
 mod commands;
 mod shown;
@@ -159,7 +159,7 @@ impl Stepper {
                         return Ok(());
                     }
                     _ if self.ended.is_some() => return Ok(()),
-                    // What a pause is answered with comes before its stop.
+                    // The answer to a pause comes before its stop.
                     _ => {}
                 }
             }

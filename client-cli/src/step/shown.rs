@@ -18,7 +18,7 @@ fn channels(state: &v1::DebugState) -> String {
     table(&rows, 6)
 }
 
-/// Number, time, what it does, place, block.
+/// Number, time, activity, place, block.
 fn channel(of: &v1::DebugChannel) -> Vec<String> {
     let doing = match of.state() {
         v1::ChannelState::Waiting => format!("waits for {}", of.waiting_for),

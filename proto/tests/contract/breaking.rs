@@ -4,7 +4,7 @@ use prost_types::{
     DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, FileDescriptorSet, MethodDescriptorProto,
 };
 
-/// What is compared of two things of one number or name.
+/// Comparison of two items of one number or name.
 fn same<T: PartialEq + std::fmt::Debug>(out: &mut Vec<String>, of: &str, what: &str, before: T, now: T) {
     if before != now {
         out.push(format!("{of}: its {what} was {before:?}, it is {now:?} now"));
@@ -91,7 +91,7 @@ fn method(out: &mut Vec<String>, of: &str, before: &MethodDescriptorProto, now: 
     same(out, of, "use of streams", streams(before), streams(now));
 }
 
-/// What `now` takes back of `before`.
+/// Parts of `before` that `now` takes back.
 pub(super) fn findings(before: &FileDescriptorSet, now: &FileDescriptorSet) -> Vec<String> {
     let mut out = Vec::new();
     for old in &before.file {

@@ -121,7 +121,7 @@ impl Findings<'_> {
         }
     }
 
-    /// Services; `uses` counts what methods take and give.
+    /// Services; `uses` counts the inputs and outputs of methods.
     fn services(&mut self, uses: &mut BTreeMap<String, usize>) {
         for (at, service) in (0..).zip(&self.file.service) {
             let name = service.name();

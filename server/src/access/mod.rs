@@ -30,7 +30,7 @@ use file::Known;
 pub(crate) use rate::{Held, LONGEST};
 use rate::{Rates, Turn};
 
-/// What an identity may do; each role may also do what those before it may.
+/// Rights of an identity; each role also has the rights of those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
@@ -63,7 +63,7 @@ pub(crate) struct Identity {
     pub(crate) role: Role,
 }
 
-/// An identity within one call, and what the call was about for the audit log.
+/// An identity within one call, and the subject of the call for the audit log.
 #[derive(Debug, Clone)]
 pub(crate) struct Caller {
     pub(crate) identity: Arc<Identity>,
@@ -85,7 +85,7 @@ impl Caller {
         &self.identity.tenant
     }
 
-    /// Notes what the call is about.
+    /// Records the subject of the call.
     pub(crate) fn about(&self, target: &str) {
         let _ = self.target.set(target.to_owned());
     }

@@ -1,6 +1,6 @@
 //! Tokens: 256 random bits as a text. The server keeps their digests only.
 //!
-//! Invariant: who reads the file of identities cannot call with what is in it.
+//! Invariant: the content of the file of identities does not suffice to make calls.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;

@@ -71,7 +71,7 @@ impl Board {
         }
     }
 
-    /// Notes that the jobs have been looked after, and reports what has happened.
+    /// Records that the jobs have been checked, and reports the events since.
     pub(super) fn ticked(&self) {
         *lock(&self.ticked) = Instant::now();
         self.tally.report();

@@ -22,7 +22,7 @@ const CHANGES: u32 = 40;
 pub(crate) struct Change {
     pub(crate) id: Arc<str>,
     tenant: Arc<str>,
-    /// What a removed job was found by.
+    /// Keys by which a removed job was found.
     pub(crate) removed: Option<Arc<Removed>>,
 }
 

@@ -1,5 +1,4 @@
-//! What the server clears away by itself: folders of jobs that have no row, ended jobs beyond what is to be kept, and
-//! blobs that nothing needs.
+//! Automatic removal: folders of jobs without a row, ended jobs beyond the retention limits, and unneeded blobs.
 //!
 //! Invariant: data that a row of the ledger needs are never removed, nor a job that has not ended or that is watched.
 
@@ -87,7 +86,7 @@ impl Core {
     }
 }
 
-/// Removes ended jobs beyond what is to be kept; gives how many.
+/// Removes ended jobs beyond the retention limits; returns their number.
 fn remove_expired(core: &Core, keep: &Keep) -> Result<u64, Refusal> {
     let mut removed = 0;
     if keep.everything() {
@@ -124,7 +123,7 @@ fn collect_blobs(core: &Core, grace: Duration) -> Result<u64, Refusal> {
     Ok(removed)
 }
 
-/// Says what was removed, or that it is tried again.
+/// Logs the removed items, or that removal will be tried again.
 fn note(what: &str, removed: Result<u64, Refusal>) {
     match removed {
         Ok(0) => {}

@@ -23,20 +23,20 @@ use crate::log::writer::Writer;
 use crate::results::Finished;
 use crate::trace::Context;
 
-/// What exists once a worker has prepared the job.
+/// State that exists once a worker has prepared the job.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) info: Arc<Info>,
     pub(crate) control: Arc<Control>,
 }
 
-/// The limit that has stopped a run, and what it did.
+/// The limit that has stopped a run, and its effect.
 pub(crate) type Stopped = (Reached, String);
 
 /// Reasons to stop a run besides its program and the client.
 #[derive(Debug, Default)]
 struct RunLimits {
-    /// When the run is stopped, and as what.
+    /// Time and reason of a planned stop of the run.
     until: Option<(Instant, Stopped)>,
     bytes: Option<u64>,
     /// The limit that was reached.
@@ -111,7 +111,7 @@ impl Live {
         self.tail.get_or_init(|| Arc::new(Tail::new()))
     }
 
-    /// Where its dialogs wait, with what was answered in runs before.
+    /// Desk where its dialogs wait, with the answers given in earlier runs.
     pub(crate) fn desk(&self) -> &Arc<Desk> {
         self.desk.get_or_init(|| Arc::new(Desk::new(&lock(&self.record).answers)))
     }
@@ -173,7 +173,7 @@ impl Live {
         lock(&self.record).paused
     }
 
-    /// Sets what a run has; the job may have been cancelled by then.
+    /// Sets the state of a prepared run; the job may have been cancelled by then.
     pub(crate) fn prepared(&self, run: Run) {
         *lock(&self.run) = Some(Arc::new(run));
         if self.cancelled() || self.reached().is_some() {
@@ -181,7 +181,7 @@ impl Live {
         }
     }
 
-    /// What ends the run, from before it is prepared.
+    /// The stop request of the run; exists before the run is prepared.
     pub(crate) fn stop(&self) -> Stop {
         lock(&self.stop).clone()
     }
@@ -262,8 +262,8 @@ impl Live {
         lock(&self.writer).take()
     }
 
-    /// Appends to the log of the running job. Gives whether somebody waits for events that are not written yet, and has
-    /// not been promised them.
+    /// Appends to the log of the running job. Returns whether a watcher waits for events that are neither written yet
+    /// nor promised to it.
     pub(crate) fn append(&self, first_seq: u64, batch: &[Event]) -> io::Result<bool> {
         let mut writer = lock(&self.writer);
         let Some(log) = writer.as_mut() else { return Ok(false) };

@@ -1,8 +1,8 @@
 //! Jobs: admission, queue, workers, and the jobs in memory.
 //!
-//! [`Core`] is what all parts of the server share. Invariant: every job in the ledger that has not ended is in
-//! `live`, and is either in the queue or on a worker thread, until the server drains. Trouble of the host never ends a
-//! job: its run is dropped and begun again later.
+//! [`Core`] is the state that all parts of the server share. Invariant: every job in the ledger that has not ended is
+//! in `live`, and is either in the queue or on a worker thread, until the server drains. A fault of the host never ends
+//! a job: its run is dropped and started again later.
 
 mod board;
 pub(crate) mod describe;
@@ -57,7 +57,7 @@ use streams::Streams;
 /// Between two looks at jobs that wait for the disk, the ledger or their time.
 const TICK: Duration = Duration::from_millis(50);
 
-/// What a server keeps its jobs in.
+/// Stores in which a server keeps its jobs.
 #[derive(Debug)]
 pub(crate) struct Seams {
     pub(crate) ledger: Arc<dyn Ledger>,
@@ -74,7 +74,7 @@ pub(crate) struct Seen {
     pub(crate) spans: Spans,
 }
 
-/// What all parts of the server share.
+/// State that all parts of the server share.
 pub(crate) struct Core {
     pub(crate) options: Options,
     pub(crate) host: Arc<dyn Host>,
@@ -129,7 +129,7 @@ impl Core {
         Ok(core)
     }
 
-    /// Puts back into the queue what a server before this one left unfinished, and begins to run jobs.
+    /// Requeues the jobs that a previous server left unfinished, and starts to run jobs.
     pub(crate) fn recover(self: &Arc<Self>) -> Result<(), Refusal> {
         let mut unfinished = self.ledger.unfinished()?;
         let mut marks: HashMap<String, u32> = self.host.marks()?.into_iter().collect();
@@ -352,7 +352,7 @@ impl Core {
         self.forget(id, Some(&record))
     }
 
-    /// Clears away what is left of a job that is no longer in the ledger.
+    /// Removes the remains of a job that is no longer in the ledger.
     fn forget(&self, id: &str, record: Option<&Record>) -> Result<(), Refusal> {
         self.board.live.remove(id);
         if let Some(record) = record {

@@ -46,7 +46,7 @@ impl Core {
         self.metrics.storage.writable.set(i64::from(*self.ledger.writable().borrow()));
     }
 
-    /// Sets what each tenant uses of its quotas.
+    /// Sets the usage of each tenant.
     fn observe_tenants(&self) {
         let number = |value: u64| i64::try_from(value).unwrap_or(i64::MAX);
         let mut used: BTreeMap<String, Used> = BTreeMap::new();
@@ -54,7 +54,7 @@ impl Core {
             live.peek(|record| used.entry(record.tenant.clone()).or_default().running += 1);
         }
         let today = day(now_ms());
-        // What cannot be read now is shown the next time.
+        // Usage that cannot be read now is shown the next time.
         for (tenant, usage) in self.ledger.usages().unwrap_or_default() {
             let used = used.entry(tenant).or_default();
             used.bytes = number(usage.bytes);

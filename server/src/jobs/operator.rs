@@ -48,7 +48,7 @@ struct Open {
 }
 
 impl Desk {
-    /// With what was answered before.
+    /// Creates a desk with the earlier answers.
     pub(crate) fn new(recorded: &[(u16, Option<Answer>)]) -> Self {
         let mut by_channel: HashMap<u16, VecDeque<Option<Answer>>> = HashMap::new();
         for (channel, answer) in recorded {

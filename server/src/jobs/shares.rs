@@ -1,8 +1,8 @@
-//! What each tenant may have: the options for all, and the tables of single tenants, which may change while the server
+//! Quotas of each tenant: the options for all, and the tables of single tenants, which may change while the server
 //! runs.
 //!
-//! *Invariant:* a refusal names the quota, its limit, what is used, and what to do; a table that does not name a quota
-//! leaves it as it is for all.
+//! *Invariant:* a refusal names the quota, its limit, the usage, and a remedy; a quota that a table does not name is
+//! the one for all.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -58,7 +58,7 @@ impl Core {
         lock(&self.board.queue).jobs.let_run(self.options.quotas.tenant_running, own);
     }
 
-    /// What a tenant may have.
+    /// Quotas of a tenant.
     pub(crate) fn quotas_of(&self, tenant: &str) -> Quotas {
         let all = &self.options.quotas;
         self.tenants().get(tenant).map_or_else(|| all.clone(), |own| own.quotas(all))
@@ -76,7 +76,7 @@ impl Core {
         Ok((place, self.shares.by_tenant.take_of(tenant.to_owned(), each).ok_or_else(quota)?))
     }
 
-    /// Refuses new work of a tenant that has used up what it may.
+    /// Refuses new work of a tenant that has reached a quota.
     pub(crate) fn within_quotas(&self, tenant: &str) -> Result<(), Refusal> {
         let quotas = self.quotas_of(tenant);
         if quotas.tenant_bytes == 0 && quotas.tenant_cpu_s == 0 {

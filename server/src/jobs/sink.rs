@@ -14,7 +14,7 @@ use super::Core;
 use super::flusher::Flusher;
 use super::live::Live;
 
-/// What a run leaves behind.
+/// Output of a run.
 pub(crate) struct JobSink<'a> {
     live: &'a Arc<Live>,
     flusher: &'a Flusher,

@@ -98,7 +98,7 @@ impl System for Shell {
     }
 }
 
-/// Gives a command what it needs to find programs, and nothing of the server's environment.
+/// Gives a command the variables for finding programs, and nothing else of the server's environment.
 fn clear_environment(command: &mut Command, root: &Path) {
     command.env_clear();
     #[cfg(not(windows))]

@@ -176,7 +176,7 @@ fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>, u
     End::new(core, live, record, log).keep();
 }
 
-/// What a run leaves to be stored.
+/// Data that a run leaves to be stored.
 struct Through {
     outcome: Outcome,
     finished: Finished,
@@ -351,8 +351,8 @@ fn prepare_with(
 /// Bytes of a log from which on results are stored; those of a smaller one are made from it when asked for.
 const RESULTS_FROM: u64 = 1 << 20;
 
-/// Stores what cannot be made from the log in no time, and keeps all results in memory for a while. `bytes`: of the log.
-/// Gives also the bytes of log, files and results.
+/// Stores the results that take time to make from the log, and keeps all results in memory for a while. `bytes`: of the
+/// log. Also returns the bytes of log, files and results.
 fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Result<(Arc<Finished>, u64), Refusal> {
     let files = if finished.files.is_empty() { None } else { finished.document(Document::Files) };
     finished.bytes = bytes + files.as_ref().map_or(0, |files| files.len() as u64);

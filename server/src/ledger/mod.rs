@@ -1,8 +1,8 @@
 //! The ledger: every accepted job and every machine put there.
 //!
-//! [`Ledger`] is the seam; the one in a file of the data folder is in `local`. Invariants: what was answered is on
-//! stable storage; jobs are ordered as they were accepted, regardless of the clock; a row that cannot be read is
-//! reported to callers that request it and hidden from all others.
+//! [`Ledger`] is the seam; the implementation in a file of the data folder is in `local`. Invariants: an answered
+//! request is on stable storage; jobs are ordered as they were accepted, regardless of the clock; a row that cannot be
+//! read is reported to callers that request it and hidden from all others.
 
 pub(crate) mod prefix;
 pub(crate) mod record;
@@ -153,7 +153,7 @@ impl Usage {
 /// Keeps jobs and machines. Calls that are not async may block.
 #[tonic::async_trait]
 pub(crate) trait Ledger: Send + Sync + Debug {
-    /// Does what was asked so far and gives its storage free; everything asked later is refused.
+    /// Completes the pending requests and releases the storage; later requests are refused.
     fn close(&self);
 
     /// Whether something can be stored, to be followed.
@@ -174,7 +174,7 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Notes whether a job is held back, unless it has ended.
     async fn flag_paused(&self, id: String, paused: bool) -> Result<(), Refusal>;
 
-    /// Keeps what the operator said, unless the job has ended.
+    /// Stores the operator's answer, unless the job has ended.
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal>;
 
     /// Stores the end of a job, with its log if that is small, from a thread that may block until others have been
@@ -190,7 +190,7 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Removes ended jobs from a thread that may block.
     fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<(), Refusal>;
 
-    /// Ended jobs beyond what is to be kept, oldest first, with the time of their end.
+    /// Ended jobs beyond the retention limits, oldest first, with the time of their end.
     fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal>;
 
     /// One job.
@@ -243,8 +243,8 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     fn serve_backups(&self);
 }
 
-/// State a job is put back to when the server starts. `alone`: no other job was running when the server before this
-/// one ended, so the job may be what ended it.
+/// State to which a job returns when the server starts. `alone`: no other job was running when the previous server
+/// ended, so the job may have ended it.
 pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32) -> Record {
     let suspect = record.state == State::Running;
     if suspect && alone {

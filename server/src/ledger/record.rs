@@ -152,7 +152,7 @@ impl From<Finding> for Reason {
     }
 }
 
-/// The runs of a job: what they may take, and how they went.
+/// The runs of a job: their limits and their results.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Runs {
@@ -172,7 +172,7 @@ pub struct Runs {
     pub wall_ms: u64,
     /// Most bytes of log and files that were asked for; 0 = the server's.
     pub max_job_bytes: u64,
-    /// What a limit of the server or the deadline did, as a text; empty = neither stopped the job.
+    /// Effect of a limit of the server or of the deadline, as a text; empty = neither stopped the job.
     pub limit: String,
     /// Its macros have written files.
     pub has_files: bool,
@@ -191,7 +191,7 @@ pub struct Runs {
     pub traceparent: String,
 }
 
-/// What a client asked for beside programs and options.
+/// Request of a client besides programs and options.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Asked {
@@ -213,8 +213,8 @@ pub struct Asked {
     pub limits: Option<Limits>,
 }
 
-/// Begins the digest of a content that covers what the client sent and nothing else. Earlier ones covered defaults of
-/// the server too.
+/// Start of the digest of a content that covers only the client's request. Earlier digests also covered defaults of the
+/// server.
 pub(crate) const CONTENT: &str = "2:";
 
 /// A job.
@@ -227,7 +227,7 @@ pub struct Record {
     pub tenant: String,
     /// Identity given by the client.
     pub request_id: String,
-    /// Digest of what was submitted, without the request id, after `CONTENT`.
+    /// Digest of the submitted content, without the request id, after `CONTENT`.
     #[serde(default)]
     pub content: String,
     /// Machine as the client named it.
@@ -244,7 +244,7 @@ pub struct Record {
     /// Further requests.
     #[serde(flatten)]
     pub asked: Asked,
-    /// What the operator has answered so far, by channel in the order asked; taken again when the job is run again.
+    /// Answers of the operator so far, by channel in the order of the questions; used again when the job is run again.
     #[serde(default)]
     pub answers: Vec<(u16, Option<Answer>)>,
     /// State.
@@ -323,7 +323,8 @@ impl Record {
         if self.content.starts_with(CONTENT) {
             return self.content == other.content;
         }
-        // The content of an early row covers limits that the server filled in: what surely was sent is compared.
+        // The content of an early row covers limits that the server filled in: only fields that the client certainly
+        // sent are compared.
         let sent = |record: &Self| Options { limits: Limits::default(), ..record.options.clone() };
         self.machine_name == other.machine_name
             && self.programs == other.programs

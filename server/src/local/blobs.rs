@@ -60,7 +60,7 @@ impl LocalBlobs {
         tenant::key(&self.tenant, digest)
     }
 
-    /// Whether the content of a blob is what its name says; nothing is done if not.
+    /// Whether the content of a blob matches its digest; has no other effect.
     pub(crate) fn has_its_digest(&self, digest: &str) -> io::Result<bool> {
         let Place::Files(store) = &self.place else { return Ok(true) };
         let mut hash = Sha256::new();

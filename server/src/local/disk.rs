@@ -1,6 +1,6 @@
 //! The seam for file writes.
 //!
-//! Invariant: without [`Faults`] a step does what the system does and nothing else.
+//! Invariant: without [`Faults`] a step has the effect of the system call and no other.
 
 use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom, Write};
@@ -45,7 +45,7 @@ pub trait Faults: Send + Sync {
 #[derive(Clone, Default)]
 pub struct Disk {
     faults: Option<Arc<dyn Faults>>,
-    /// Counts what is made durable.
+    /// Counts durable writes.
     syncs: Counter,
 }
 
@@ -62,7 +62,7 @@ impl Disk {
         Self { faults: Some(faults), syncs: Counter::default() }
     }
 
-    /// The disk with a counter of what is made durable.
+    /// The disk with a counter of durable writes.
     pub(crate) fn counting(self, syncs: &Counter) -> Self {
         Self { syncs: syncs.clone(), ..self }
     }

@@ -1,4 +1,4 @@
-//! Logs and results in the folders of their jobs, and what the data folder says about its machine.
+//! Logs and results in the folders of their jobs, and the data folder's record of its machine.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write as _};

@@ -1,6 +1,6 @@
 //! The parts of a server that needs no other machine: everything lies in one data folder.
 //!
-//! Each implements a seam that the rest of the server uses without knowing what is behind it. Invariant: every byte
+//! Each implements a seam that the rest of the server uses without knowing the implementation. Invariant: every byte
 //! that the server writes passes [`disk::Disk`], so a test can let any write fail.
 
 pub(crate) mod blobs;
@@ -27,7 +27,7 @@ use ledger::LocalLedger;
 use queue::LocalQueue;
 use store::Store;
 
-/// Takes the data folder and opens what is in it.
+/// Takes the data folder and opens its contents.
 pub(crate) fn open(options: &Options, disk: Disk, metrics: &Arc<Metrics>) -> Result<Seams, Refusal> {
     let disk = disk.counting(&metrics.storage.syncs);
     let store = Store::open(options.data.clone(), !options.embedded.ephemeral, disk)?;

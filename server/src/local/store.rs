@@ -36,7 +36,7 @@ pub(crate) struct Store {
 }
 
 impl Store {
-    /// Takes the folder for this server, creates what is missing and empties `tmp`.
+    /// Takes the folder for this server, creates missing parts and empties `tmp`.
     pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
         // The folder of a relative name such as `data` would be an empty path, which cannot be opened.
         let root = std::path::absolute(root)?;
@@ -167,7 +167,7 @@ impl Store {
         file.place(&self.job(id).join(name))
     }
 
-    /// Same without fsync, for what can be made again: a checksum tells whether it is whole.
+    /// Same without fsync, for files that can be made again: a checksum shows whether the file is complete.
     pub(crate) fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
         let mut file = self.temporary()?;
         file.write_all(&spare::head(content))?;
@@ -224,7 +224,7 @@ impl Store {
             self.create_lasting(outer)?;
         }
         self.disk.create_folder(folder)?;
-        // Also one that is there, with what is in it: it may be from a server that came no further.
+        // Also for an existing file and its content: it may be from a server that came no further.
         self.sync_folder_of(folder)?;
         self.disk.sync_folder(folder)?;
         held(&self.lasting).insert(folder.to_owned());
@@ -249,7 +249,7 @@ impl Store {
         self.durable.then_some(&*self.marks)
     }
 
-    /// Takes over what an earlier version has marked with a file for each job.
+    /// Takes over the jobs that an earlier version has marked with a file each.
     fn take_earlier_marks(&self) -> io::Result<()> {
         let folder = self.root.join("running");
         for id in names(&folder)? {

@@ -242,7 +242,7 @@ fn info() -> Info {
     }
 }
 
-/// What is written of an event, all forms of it: JSON, wire with four axes, digest of a log with this event only.
+/// All written forms of an event: JSON, wire with four axes, digest of a log with this event only.
 fn forms(seq: u64, event: &Event) -> String {
     let (mut json, mut wire, mut digest) = (Vec::new(), Vec::new(), Digest::new());
     jsonl::write_event(&info(), seq, event, &mut json);

@@ -1,7 +1,7 @@
 //! Wire encoding back to kernel events, for results made from the log.
 //!
-//! Which field is what comes from the types of the events. *Invariant:* decoding what [`super::encode`] wrote gives the
-//! same event, bit for bit (tested), so a result made later equals the one made while the job ran. Damage gives `None`,
+//! The types of the events define the fields. *Invariant:* decoding the output of [`super::encode`] gives the same
+//! event, bit for bit (tested), so a result made later equals the one made while the job ran. Damage gives `None`,
 //! never a panic.
 
 use std::borrow::Cow;
@@ -79,7 +79,7 @@ impl<'a> Iterator for Fields<'a> {
     }
 }
 
-/// First field of the oneof that says what an event is.
+/// First field of the oneof with the kind of an event.
 const FIRST_KIND: u64 = 10;
 
 /// The encoded events of an encoded batch.
@@ -87,7 +87,7 @@ pub(crate) fn events(batch: &[u8]) -> impl Iterator<Item = &[u8]> {
     Fields(batch).filter(|(field, _)| *field == 3).map(|(_, value)| value.bytes())
 }
 
-/// Number of the oneof field that says what an encoded event is; 0 when there is none.
+/// Number of the oneof field with the kind of an encoded event; 0 when there is none.
 pub(crate) fn kind_field(event: &[u8]) -> u64 {
     Fields(event).map(|(field, _)| field).find(|field| *field >= FIRST_KIND).unwrap_or(0)
 }
@@ -100,7 +100,7 @@ pub(crate) fn seq(event: &[u8]) -> u64 {
 /// Fields that a message may have, 0 counted.
 const MOST: usize = 12;
 
-/// A message: the last value of each of its fields; what is not there is zero.
+/// A message: the last value of each of its fields; missing fields are zero.
 struct Message<'a> {
     values: [Value<'a>; MOST],
     bytes: &'a [u8],

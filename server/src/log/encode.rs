@@ -1,6 +1,6 @@
 //! Kernel events to their wire encoding: the hot path of every job.
 //!
-//! Numbers and order of the fields come from the types of the events. *Invariant:* what [`event`] writes decodes with
+//! Numbers and order of the fields come from the types of the events. *Invariant:* the output of [`event`] decodes with
 //! the generated types to the same content (tested), so the `.proto` files stay the only contract.
 
 use counterpoint_kernel::log::event::fields::{Field, Fields, Record, Value};

@@ -14,7 +14,7 @@ fn wanted(level: WatchLevel, field: u64) -> bool {
         WatchLevel::Unspecified | WatchLevel::Progress => false,
         // Lifecycle, stop, message, wait, release, diagnostic, verdict.
         WatchLevel::Diagnostics => matches!(field, 10 | 20 | 23..=27),
-        // Block, tool and what is known about it, call and return too.
+        // Block, tool and its data, call and return too.
         WatchLevel::Blocks => matches!(field, 10 | 11 | 14 | 20..=27 | 29),
         WatchLevel::Everything => true,
     }

@@ -26,7 +26,7 @@ pub(crate) struct Files {
     pub(crate) segments: PathBuf,
 }
 
-/// What a log is read from.
+/// Source from which a log is read.
 pub(crate) trait Input: Read + Seek + Send + Debug {
     /// A place shortly before the first event after `after`, if one is known.
     fn place(&mut self, after: u64) -> io::Result<Option<u64>>;

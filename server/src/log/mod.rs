@@ -1,11 +1,11 @@
 //! Event logs: one append-only file per job, in wire encoding. The file of a small log is a row of the ledger; that of a
 //! large one is compressed when its run is over (`segments`).
 //!
-//! File: a head (magic, then the job's description), then records. A record is 24 bytes of frame (length, CRC-32,
-//! first and last sequence number, little-endian) and one encoded `EventBatch`. Batches end at 256 events or
-//! 32 KiB: never a bare event per message (HTTP/2 flood guards), never one too large for a small reader. Invariant:
-//! the bytes in the file are the bytes a watcher gets; what was committed never changes while its job lives. A second
-//! run of the same job writes the same events, though batches may be cut elsewhere.
+//! File: a head (magic, then the job's description), then records. A record is 24 bytes of frame (length, CRC-32, first
+//! and last sequence number, little-endian) and one encoded `EventBatch`. Batches end at 256 events or 32 KiB: never a
+//! bare event per message (HTTP/2 flood guards), never one too large for a small reader. Invariant: the bytes in the
+//! file are the bytes a watcher gets; committed bytes never change while the job lives. A second run of the same job
+//! writes the same events, though batches may be cut elsewhere.
 
 use std::fmt::Debug;
 use std::io;
@@ -23,7 +23,7 @@ pub(crate) mod segments;
 pub(crate) mod tail;
 pub(crate) mod writer;
 
-/// Keeps the logs of jobs, and beside them what else a run leaves. All calls may block.
+/// Keeps the logs of jobs, and the other output of runs. All calls may block.
 pub(crate) trait Logs: Send + Sync + Debug {
     /// A place for the log of a run that begins; the log of a run before it is removed.
     fn begin(&self, id: &str) -> io::Result<Box<dyn writer::Place>>;

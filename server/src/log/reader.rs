@@ -103,13 +103,13 @@ impl Reader {
         self.limit = self.limit.max(limit);
     }
 
-    /// Keeps nothing in memory but its place and what was read of the next record.
+    /// Keeps nothing in memory but its place and the part of the next record that has been read.
     pub(crate) fn rest(&mut self) {
         self.file.rest();
         self.piece = BytesMut::from(self.piece.as_ref());
     }
 
-    /// Next batch behind the cursor; `None` at the end of what may be read.
+    /// Next batch after the cursor; `None` at the end of the readable part.
     pub(crate) fn next_batch(&mut self) -> io::Result<Option<Batch>> {
         loop {
             if !self.fill(FRAME)? {
@@ -199,7 +199,7 @@ impl Events {
         Self { reader, batch: Vec::new().into_iter(), last: 0, expected, error: None }
     }
 
-    /// What ended the iteration before the end of the log.
+    /// The error that ended the iteration before the end of the log.
     pub(crate) fn error(self) -> Option<io::Error> {
         self.error
     }

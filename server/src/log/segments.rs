@@ -228,7 +228,7 @@ impl<F: Read + Seek> Segments<F> {
         Entry::read(&bytes).ok_or_else(|| damage("an entry of its segments has a wrong checksum"))
     }
 
-    /// Number of the last segment that `begins` at or before what is looked for; they ascend.
+    /// Number of the last segment that `begins` at or before the target; segments ascend.
     fn last(&mut self, begins: impl Fn(&Entry) -> bool) -> io::Result<u64> {
         let (mut from, mut to) = (0, self.count - 1);
         while from < to {

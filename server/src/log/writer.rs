@@ -115,7 +115,7 @@ impl Writer {
         self.bytes + self.buffer.len() as u64
     }
 
-    /// Writes what has been gathered for long enough. A small log without followers may not need a file.
+    /// Writes events that have been gathered for long enough. A small log without followers may not need a file.
     fn flush_old(&mut self) -> io::Result<()> {
         let small = self.buffer.len() <= SMALL && !self.place.used() && !self.tail.followed();
         if !small && self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }

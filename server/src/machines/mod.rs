@@ -71,7 +71,7 @@ pub(crate) fn is_shipped(name: &str) -> bool {
     NAMES.iter().any(|shipped| shipped == name)
 }
 
-/// A loaded machine, if it can be used, with what its check found.
+/// A loaded machine, if it can be used, with the findings of its check.
 #[derive(Debug, Clone)]
 pub(crate) struct Checked {
     pub(crate) machine: Option<Arc<Machine>>,

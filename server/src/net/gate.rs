@@ -32,7 +32,7 @@ pub(crate) struct Gate {
 }
 
 impl Gate {
-    /// Reads what the options name, and refuses an address that strangers can reach without protection.
+    /// Reads the files that the options name, and refuses an address that strangers can reach without protection.
     pub(crate) fn open(options: &Options, metrics: Arc<Metrics>) -> Result<Self, String> {
         let guard = &options.guard;
         let tls = Tls::open(guard)?;
@@ -51,8 +51,8 @@ impl Gate {
         Ok(Self { access: Access::open(guard)?, audit, metrics, tls, web: Web::open(guard) })
     }
 
-    /// Reads files of identities and certificates again, and opens the audit log again. What cannot be read stays as it
-    /// is.
+    /// Reads files of identities and certificates again, and reopens the audit log. Files that cannot be read keep
+    /// their previous content.
     pub(crate) fn reload(&self) {
         let done = |what: &str, result: Result<(), String>| match result {
             Ok(()) => tracing::info!("{what} read again"),

@@ -154,7 +154,7 @@ async fn connection(
     }
 }
 
-/// What a peer does at the beginning, unless its time is over or the server goes down.
+/// First step of a peer, unless its time is over or the server shuts down.
 async fn begins<T>(
     begin: impl Future<Output = T>,
     patience: Patience,

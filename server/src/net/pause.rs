@@ -1,7 +1,7 @@
 //! Connections from which nothing is read for a while: callers without a pause get one.
 //!
-//! What the other end sends waits in its own buffers and those of the system; answers are still sent. *Invariant:* reading
-//! continues by itself at the time that was set last, or at once when the pause is ended.
+//! Data from the other end wait in its own buffers and those of the system; answers are still sent. *Invariant:*
+//! reading continues by itself at the time that was set last, or at once when the pause is ended.
 
 use std::io;
 use std::pin::Pin;

@@ -79,7 +79,7 @@ mod tests {
     const LONG: Duration = Duration::from_secs(3600);
     const SHORT: Duration = Duration::from_millis(20);
 
-    /// What takes an hour would never be answered here.
+    /// A call that takes an hour would never be answered here.
     #[tokio::test]
     async fn a_call_waits_for_its_turn_its_deadline_or_the_drain() {
         let begin = Instant::now();

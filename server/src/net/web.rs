@@ -12,7 +12,7 @@ use tonic::body::Body;
 
 use crate::options::Guard;
 
-/// What pages may send and read beyond what browsers always allow.
+/// Headers that pages may send and read beyond those that browsers always allow.
 const REQUEST_HEADERS: &str = "authorization,content-type,grpc-timeout,traceparent,x-grpc-web,x-user-agent";
 const ANSWER_HEADERS: &str = "grpc-status,grpc-message,grpc-status-details-bin";
 

@@ -138,7 +138,7 @@ group! {
 group! {
     /// Who may call.
     Guard, GuardFlags {
-        /// File of tokens, keys and certificates with their tenants and roles; empty = everybody may do everything
+        /// File of tokens, keys and certificates with their tenants and roles; empty = every caller may do everything
         access: PathBuf = PathBuf::new(), "COUNTERPOINT_ACCESS", "FILE.toml";
         /// Certificates of the server, PEM, its own first; empty = connections are not encrypted
         tls_cert: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_CERT", "FILE.pem";
@@ -162,7 +162,7 @@ group! {
 }
 
 group! {
-    /// What macros wait for outside of the server: commands of the operating system (`SYSTEM`) and the operator.
+    /// External waits of macros: commands of the operating system (`SYSTEM`) and the operator.
     System, SystemFlags {
         /// Macros of machines that an administrator has put there, and of shipped ones, may start commands of the
         /// operating system, with the rights of the server

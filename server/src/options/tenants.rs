@@ -1,7 +1,7 @@
 //! Quotas and retention of single tenants, where they differ from the general ones.
 //!
-//! Only the configuration file has these, one table a tenant: `[tenants.NAME]`. Invariant: what the table of a tenant
-//! does not name is as for all.
+//! Only the configuration file has these, one table per tenant: `[tenants.NAME]`. Invariant: a quota that the table of
+//! a tenant does not name is the one for all.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +30,7 @@ pub struct Tenant {
 }
 
 impl Tenant {
-    /// What the tenant may have where `all` may have that.
+    /// Quotas of the tenant, based on the quotas of `all`.
     pub(crate) fn quotas(&self, all: &Quotas) -> Quotas {
         Quotas {
             tenant_queued: self.queued.unwrap_or(all.tenant_queued),

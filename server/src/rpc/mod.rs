@@ -80,7 +80,7 @@ async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Result<T, Refusal> +
     tokio::task::spawn_blocking(work).await.map_err(|error| Refusal::Storage(error.to_string()))?
 }
 
-/// Streams what `make` writes, in chunks; it waits while the client does not read and fails when it has gone.
+/// Streams the output of `make` in chunks; it waits while the client does not read and fails when the client has gone.
 fn stream<T: Chunk>(
     make: impl FnOnce(&mut dyn Write) -> Result<(), Refusal> + Send + 'static,
 ) -> Response<ReceiverStream<Result<T, Status>>> {

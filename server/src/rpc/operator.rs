@@ -108,7 +108,7 @@ impl Attend {
         }
     }
 
-    /// Tells what has been opened and closed since the last time; an error: the client has gone.
+    /// Sends the dialogs opened and closed since the last time; an error means that the client has gone.
     async fn show(&mut self) -> Result<(), ()> {
         let questions = self.live.desk().questions();
         let open: BTreeSet<u64> = questions.iter().map(|question| question.id).collect();

@@ -350,8 +350,8 @@ pub(super) fn machine(core: &Core, tenant: &str, name: &str) -> Result<Definitio
     Err(Refusal::UnknownMachine(name.to_owned()))
 }
 
-/// Digest of what a client submitted, request id left out. Nothing of the server is in it, and a field that the client
-/// does not know is as one that it leaves empty: the same request has the same digest for every version.
+/// Digest of a client's request, without the request id. It covers nothing of the server, and a field unknown to the
+/// client counts as empty: the same request has the same digest for every version.
 fn content_of(request: &v1::SubmitJobRequest) -> String {
     let mut sent = v1::SubmitJobRequest { request_id: String::new(), ..request.clone() };
     sent.files.sort_by(|a, b| a.path.cmp(&b.path));

@@ -1,8 +1,9 @@
 //! One watcher of one job.
 //!
-//! It pulls from the log by its cursor, at the pace of its client: one message may be under way. For a client that
-//! stands still nothing else is held: what was read ahead is dropped and read again later. Invariant: a watcher never makes a kernel, a log or another watcher wait; it sees each event behind
-//! its cursor exactly once, in order, and the end of the job last.
+//! It pulls from the log by its cursor, at the pace of its client: one message may be in transit. For a client that
+//! does not read nothing else is held: batches read ahead are dropped and read again later. Invariant: a watcher never
+//! makes a kernel, a log or another watcher wait; it sees each event after its cursor exactly once, in order, and the
+//! end of the job last.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -165,7 +166,7 @@ impl Watch {
         }
     }
 
-    /// Sends what the log has after the cursor; `false` if the client stood still meanwhile.
+    /// Sends the events of the log after the cursor; `false` if the client stopped reading meanwhile.
     async fn batches(&mut self, out: &Out, position: Position) -> Result<bool, Over> {
         if position.dropped != self.dropped {
             (self.dropped, self.reader, self.resume) = (position.dropped, None, None);

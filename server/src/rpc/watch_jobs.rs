@@ -1,7 +1,7 @@
 //! One watcher of many jobs.
 //!
-//! It follows the feed of changes by its cursor and sends the newest state of each job that has changed. Without a cursor
-//! it begins with the jobs that have not ended, page by page; what changes meanwhile follows from the feed. Invariant: a
+//! It follows the feed of changes by its cursor and sends the newest state of each job that has changed. Without a
+//! cursor it starts with the jobs that have not ended, page by page; later changes follow from the feed. Invariant: a
 //! client that resumes at its cursor misses no job that has changed.
 
 use std::sync::Arc;
@@ -149,7 +149,7 @@ impl WatchJobs {
                 }
                 match core.job(&id) {
                     Ok(record) => read.extend(filter.takes(&record).then(|| change(status(record)))),
-                    // Removed since, or lost: its removal follows, or asking for it says what is wrong.
+                    // Removed since, or lost: its removal follows, or a request for it reports the fault.
                     Err(Refusal::UnknownJob(_) | Refusal::DataLoss(_)) => {}
                     Err(refusal) => return Err(refusal),
                 }

@@ -43,7 +43,7 @@ impl Spans {
         let _ = record;
     }
 
-    /// Sends what is left, for a moment at most.
+    /// Sends the remaining spans, for a moment at most.
     pub(crate) fn close(&self) {
         #[cfg(feature = "otlp")]
         if let Some(exporter) = &self.exporter {

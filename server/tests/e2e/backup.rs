@@ -36,7 +36,7 @@ async fn a_backup_of_a_running_server_has_every_job_and_finishes_those_that_had_
     assert_eq!(std::fs::read_dir(data.join("tmp")).unwrap().count(), 0, "nothing is left of the request");
     let (code, text) = command(&["backup"], &copy, &data).await;
     assert!(code == Some(3) && text.contains("not empty"), "{text}");
-    // The server continues, and what happens now is not in the backup.
+    // The server continues, and later changes are not in the backup.
     server.jobs().delete_job(v1::DeleteJobRequest { job_id: ended[0].0.clone() }).await.unwrap();
     let later = server.submit("later", "EVENTS 2").await;
     server.wait(&later).await;

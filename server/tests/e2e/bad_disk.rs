@@ -1,7 +1,7 @@
-//! A disk that fails by a seeded schedule, and that remembers what a loss of power leaves.
+//! A disk that fails by a seeded schedule, and that remembers the state after a loss of power.
 //!
-//! What was synced survives: the content of a file as it was at its last sync, the names in a folder as they were at
-//! the last sync of the folder. What was written later survives in part, page by page, or not at all.
+//! Synced data survive: the content of a file at its last sync, the names in a folder at the last sync of the folder.
+//! Later writes survive in part, page by page, or not at all.
 
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -97,7 +97,7 @@ impl BadDisk {
         self.state.lock().unwrap().failed
     }
 
-    /// What the loss of power has left of the folder `from`, as the folder `to`. With `torn`, pages written after the
+    /// The state of the folder `from` after the loss of power, as the folder `to`. With `torn`, pages written after the
     /// last sync survive by chance.
     pub fn survived(&self, from: &Path, to: &Path, torn: bool) {
         let mut state = self.state.lock().unwrap();

@@ -226,7 +226,7 @@ async fn ended_jobs_beyond_those_to_be_kept_go_the_oldest_first_and_others_never
     server.stop().await;
 }
 
-/// A tenant beyond what may be kept of one loses its own oldest jobs; the older ones of another stay.
+/// A tenant beyond its retention limit loses its own oldest jobs; older jobs of another tenant stay.
 #[tokio::test]
 async fn a_tenant_with_many_ended_jobs_loses_its_own_oldest() {
     let folder = tempfile::tempdir().unwrap();

@@ -16,7 +16,7 @@ async fn connect(server: &Server) -> TcpStream {
     TcpStream::connect(server.handle.address()).await.unwrap()
 }
 
-/// Reads until the server closes the connection; what it said.
+/// Reads until the server closes the connection; returns the bytes.
 async fn closed(stream: &mut TcpStream) -> Vec<u8> {
     let mut said = Vec::new();
     let end = tokio::time::timeout(Duration::from_secs(20), stream.read_to_end(&mut said)).await;

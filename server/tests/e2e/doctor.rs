@@ -68,7 +68,7 @@ async fn a_whole_folder_has_no_damage_and_one_in_use_is_not_examined() {
     assert_eq!(command(folder.path(), &[]).0, Some(0));
     assert_eq!(examine(folder.path(), true), Ok(Vec::new()));
     assert_eq!(command(&folder.path().join("none"), &[]).0, Some(3));
-    // Neither is what a killed server leaves a damage.
+    // The state that a killed server leaves is not a damage either.
     let (running, killed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let server = Server::start(options(running.path())).await;
     let job = server.submit("r", "EVENTS 20000\nHANG").await;
@@ -164,7 +164,7 @@ async fn every_damage_is_found_with_its_place_and_a_repair_leaves_only_what_nobo
     one(&found, &blob(data, "EVENTS 5"), "gone");
     assert_eq!(found.len(), 6, "{found:#?}");
 
-    // What the remedies say mends the rest.
+    // The printed remedies repair the rest.
     let server = Server::start(options(data)).await;
     for job in [&jobs[0], &jobs[1], &jobs[2], &jobs[3]] {
         server.jobs().delete_job(v1::DeleteJobRequest { job_id: job.clone() }).await.unwrap();

@@ -1,5 +1,5 @@
-//! A fault at each step that writes in the life of one job, one after the other: the job is accepted in the end, ends exactly
-//! once, and says what it says on a good disk.
+//! A fault at each step that writes in the life of one job, one after the other: the job is accepted in the end, ends
+//! exactly once, and reports the same as on a good disk.
 
 use std::io;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! A disk that fails at any write, and a loss of power at any write: every accepted job ends exactly once, and what is
-//! said about it is true.
+//! A disk that fails at any write, and a loss of power at any write: every accepted job ends exactly once, and its
+//! reported state is true.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,7 +14,7 @@ use counterpoint_server::options::Options;
 use crate::bad_disk::{BadDisk, Random, numbered};
 use crate::support::*;
 
-/// What jobs do: a small log, a log in a file, one with stored results, files of macros, and a job that fails.
+/// Kinds of jobs: a small log, a log in a file, one with stored results, files of macros, and a job that fails.
 const SCRIPTS: [&str; 6] = [
     "EVENTS 20",
     "EVENTS 3000",
@@ -34,7 +34,7 @@ struct Known {
     ended: Option<v1::JobStatus>,
 }
 
-/// What a client has heard, by request id.
+/// Answers that a client has received, by request id.
 type Heard = BTreeMap<String, Known>;
 
 fn script(request: &str) -> &'static str {
@@ -42,7 +42,7 @@ fn script(request: &str) -> &'static str {
     SCRIPTS[number % SCRIPTS.len()]
 }
 
-/// Submits jobs until the disk has no power, trying again what was refused; gives what was heard.
+/// Submits jobs until the disk has no power, repeating refused requests; returns the answers.
 async fn load(server: &Server, disk: &BadDisk, caller: usize) -> Heard {
     let mut heard = Heard::new();
     for number in 0..JOBS {
@@ -85,7 +85,7 @@ pub async fn submission(server: &Server, id: &str, script: &str) -> Option<v1::S
     })
 }
 
-/// Everything that is said about a job, without what differs between runs.
+/// All reports about a job, without the parts that differ between runs.
 #[derive(Debug, PartialEq)]
 pub struct Said {
     state: v1::JobState,
@@ -128,7 +128,7 @@ pub async fn said(server: &Server, job: &str) -> Said {
     Said { state, events, summary, log, files }
 }
 
-/// Drives a server with a bad disk; then one on what is left of its folder, which must keep every promise.
+/// Drives a server with a bad disk; then a server on the remains of its folder, which must keep every promise.
 async fn drive(folder: &Path, seed: u64, power: bool, expected: &BTreeMap<&str, Said>) -> (u64, usize) {
     let mut random = Random(seed);
     let disk = Arc::new(BadDisk::new(seed, power));

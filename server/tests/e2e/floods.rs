@@ -88,7 +88,7 @@ fn message(message: &impl prost::Message) -> Vec<u8> {
     out
 }
 
-/// What has become of a flood.
+/// Result of a flood.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Answer {
     /// The server has sent GOAWAY with this code.

@@ -97,7 +97,7 @@ impl Caller {
         panic!("{job} never ran");
     }
 
-    /// What the summary of a job says last: verdict and diagnostics, or why there is none.
+    /// End of the summary of a job: verdict and diagnostics, or the reason why there is none.
     async fn summary(&self, job: &str) -> String {
         let request = v1::GetSummaryRequest { job_id: job.into() };
         let mut chunks = match ResultsClient::new(self.0.clone()).get_summary(request).await {

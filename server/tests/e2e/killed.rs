@@ -69,7 +69,7 @@ fn start(folder: &Path, permille: u64) -> (Process, String) {
 /// Kills beyond those of the test, as long as no server has accepted anything.
 const MORE: u64 = 100;
 
-/// What has been accepted: identity by request id.
+/// Accepted jobs: identity by request id.
 type Accepted = Arc<Mutex<BTreeMap<String, String>>>;
 
 /// Submits until the server dies. A request that was not answered is asked again of the next server.

@@ -101,7 +101,7 @@ impl Callers {
     }
 }
 
-/// The server's own counts say what was answered; its tokens say how many calls that may be.
+/// The server's own counts give the number of answers; its tokens give the permitted number of calls.
 #[tokio::test]
 async fn callers_that_never_pause_are_slowed_to_the_rate_of_their_identity() {
     const RATE: u32 = 100;

@@ -114,7 +114,7 @@ async fn a_job_has_a_span_in_the_trace_of_its_client() {
     server.jobs().cancel_job(v1::CancelJobRequest { job_id: cancelled.clone() }).await.unwrap();
     server.wait(&cancelled).await;
     server.stop().await;
-    // What had not been sent was sent at the end.
+    // Spans that had not been sent were sent at the end.
     let spans = collector.spans();
     assert!(spans.iter().all(|(service, _)| service == "counterpointd"));
     let spans: Vec<Span> = spans.into_iter().map(|(_, span)| span).collect();

@@ -90,7 +90,7 @@ async fn a_job_gives_back_what_was_submitted_and_runs_again_with_it() {
     server.stop().await;
 }
 
-/// What the server fills in is not part of what was asked for, so it may change from one version to the next.
+/// Values that the server fills in are not part of the request, so they may change from one version to the next.
 #[tokio::test]
 async fn other_maxima_of_the_server_do_not_make_a_request_another_one() {
     let folder = tempfile::tempdir().unwrap();

@@ -220,7 +220,7 @@ async fn a_tenant_with_a_table_of_its_own_has_its_quota_and_the_others_that_of_a
     server.stop().await;
 }
 
-/// On the real server: the file says what a tenant may have, and a file with an error changes nothing.
+/// On the real server: the file gives the quotas of a tenant, and a file with an error changes nothing.
 #[tokio::test]
 async fn tables_of_tenants_are_read_again_on_sighup() {
     const ENDLESS: &str = "O1\nN1 G4 P1\nGOTO 1\n";
@@ -248,7 +248,7 @@ async fn tables_of_tenants_are_read_again_on_sighup() {
     assert_eq!(limit(caller.submit("waits-3", "fanuc-mill", ENDLESS).await.unwrap_err()), "2");
     assert_eq!(waiting(&caller).await, 2, "the second worker is not for this tenant");
     hang_up("");
-    // Without a table of its own it has what all have: the second worker, too.
+    // Without a table of its own it has the quotas for all: the second worker, too.
     server_until(&caller, &first, v1::JobState::Running).await;
 }
 
@@ -323,7 +323,7 @@ async fn stored_bytes_of_a_tenant_are_counted_over_restarts() {
     server.stop().await;
 }
 
-/// What counts is the time of processors, not that of the clock, and every run counts.
+/// Processor time counts, not the time of the clock, and every run counts.
 #[tokio::test]
 async fn processor_time_of_a_tenant_is_counted_and_a_job_that_waits_takes_none() {
     let folder = tempfile::tempdir().unwrap();
@@ -372,7 +372,7 @@ async fn uploads_of_a_tenant_are_limited_and_others_upload() {
     let mut blobs = noisy.blobs();
     let slow = tokio::spawn(async move { blobs.upload(tokio_stream::wrappers::ReceiverStream::new(receive)).await });
     send.send(first).await.unwrap();
-    // What has come of it lies there.
+    // Its partial result is there.
     let begun = async {
         while std::fs::read_dir(folder.path().join("data/tmp")).unwrap().next().is_none() {
             tokio::time::sleep(std::time::Duration::from_millis(2)).await;

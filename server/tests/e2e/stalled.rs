@@ -99,7 +99,8 @@ async fn stand_still(own: bool) {
         stream.message().await.unwrap().unwrap();
         still.push((channel, stream));
     }
-    // What was read ahead for them is dropped when they are found to stand still; a second of samples shows that it stays so.
+    // Batches read ahead for them are dropped when they are found to have stopped reading; a second of samples shows
+    // that this stays so.
     let (mut each, mut calm) = (u64::MAX, 0);
     for _ in 0..400 {
         each = resident(server.child.id()).saturating_sub(before) / WATCHERS;

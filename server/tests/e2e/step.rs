@@ -1,4 +1,4 @@
-//! Jobs that a client steps through, and what happens when it leaves.
+//! Jobs that a client steps through, and their behaviour when it leaves.
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::debug_command::What;

@@ -11,7 +11,7 @@ use counterpoint_server::options::Options;
 
 use crate::support::*;
 
-/// Counts what is made durable, and lets logs wait for that.
+/// Counts durable writes, and lets logs wait for them.
 #[derive(Default)]
 struct Counting {
     ledger: AtomicUsize,

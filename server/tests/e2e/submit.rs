@@ -194,8 +194,8 @@ async fn a_shipped_machine_cannot_be_replaced() {
     server.stop().await;
 }
 
-/// A job without a machine: the server guesses it by the signs of the shipped machines and of the tenant's own, says which one and why, and
-/// refuses what does not show a machine.
+/// A job without a machine: the server guesses the machine by the signs of the shipped machines and of the tenant's
+/// own, reports the choice and its reason, and refuses programs without signs of a machine.
 #[tokio::test]
 async fn a_job_without_a_machine_is_guessed() {
     let folder = tempfile::tempdir().unwrap();

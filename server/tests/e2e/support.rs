@@ -1,8 +1,9 @@
 //! A server in process with a scripted runner, and a client for it.
 //!
-//! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `SLOW` (prepared until
-//! it is stopped), `ALARM`, `ASK name` (a dialog; what
-//! is pressed becomes a diagnostic), `STEP` (stands until a command lets it go on), `SYSTEM` (whether commands are allowed becomes one), `WRITE path` (a file with that path as its text), one per line.
+//! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `SLOW` (prepared until it is
+//! stopped), `ALARM`, `ASK name` (a dialog; the pressed button becomes a diagnostic), `STEP` (pauses until a command
+//! lets it continue), `SYSTEM` (a diagnostic tells whether commands are allowed), `WRITE path` (a file with that path
+//! as its text), one per line.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -1,4 +1,4 @@
-//! Two tenants: neither sees, stops, reads or reuses what is the other's.
+//! Two tenants: neither sees, stops, reads or reuses data of the other.
 
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;

@@ -11,7 +11,7 @@ use tonic_types::StatusExt;
 use crate::guarded::*;
 use crate::support::*;
 
-/// What a watcher has seen: the last state of each job, by request id.
+/// View of a watcher: the last state of each job, by request id.
 struct Seen {
     stream: Streaming<v1::WatchJobsResponse>,
     jobs: BTreeMap<String, v1::JobState>,

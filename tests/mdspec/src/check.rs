@@ -93,7 +93,7 @@ impl<'a> Check<'a> {
         self.edits.push(edit);
     }
 
-    /// What differs, empty when nothing does, and the edits that would mend it (none when they would not).
+    /// The differences, empty when there are none, and the edits that would fix them (none if edits would not help).
     #[must_use]
     pub fn finish(self) -> (String, Vec<Edit>) {
         (self.wrong, if self.hopeless { Vec::new() } else { self.edits })

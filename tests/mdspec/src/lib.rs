@@ -1,8 +1,8 @@
 //! Specification pages in Markdown: prose that explains a behaviour, examples that show it, one test an example.
 //!
-//! A page is read into examples with their fences ([`Page`]), an example is compared with what comes out of it
-//! ([`Check`]), and a suite runs every example of its pages as a test with a name ([`Suite`]). `UPDATE=1` in the
-//! environment writes what comes out into the pages.
+//! A page is read into examples with their fences ([`Page`]), an example is compared with its result ([`Check`]), and a
+//! suite runs every example of its pages as a test with a name ([`Suite`]). `UPDATE=1` in the environment writes the
+//! results into the pages.
 //!
 //! *Invariant:* this crate knows no control, no machine and no macro language; which fences there are is data
 //! ([`Fences`]).

@@ -10,14 +10,14 @@ use pulldown_cmark::{CodeBlockKind, Event, HeadingLevel, Parser, Tag, TagEnd};
 
 use crate::marks::Marked;
 
-/// What a fence does for its example.
+/// Role of a fence in its example.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Prepares the example: a machine, a macro of it. After a program it begins the next example.
     Setup,
-    /// What is run. A second one begins the next example, unless it is numbered from 2 (`nc 2`).
+    /// The program to run. A second one starts the next example, unless it is numbered from 2 (`nc 2`).
     Program,
-    /// What a run gets beside its program: options, further files.
+    /// Input of a run besides its program: options, further files.
     Input,
     /// The output.
     Outcome,

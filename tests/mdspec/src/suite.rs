@@ -22,8 +22,8 @@ pub struct Suite {
 }
 
 impl Suite {
-    /// Every example of the pages of a folder becomes a test: `run` says what comes out of it. With `UPDATE` in the
-    /// environment that is written into the pages.
+    /// Every example of the pages of a folder becomes a test: `run` returns its result. With `UPDATE` in the
+    /// environment the result is written into the pages.
     ///
     /// A page that cannot be read becomes a test that fails with the line that is wrong.
     #[must_use]
@@ -114,7 +114,7 @@ impl Suite {
         self.trials.push(Trial::test(name, move || test().map_err(Failed::from)));
     }
 
-    /// Runs the tests that the command line asks for, and writes what `UPDATE` asks for.
+    /// Runs the tests that the command line requests, and writes the edits that `UPDATE` requests.
     #[must_use]
     pub fn run(self) -> ExitCode {
         let conclusion = libtest_mimic::run(&Arguments::from_args(), self.trials);
@@ -136,7 +136,7 @@ fn report(text: &str) {
     eprintln!("{text}");
 }
 
-/// The page as a failure names it: without what leads to the project.
+/// The page as a failure names it: without the path to the project.
 fn shown(path: &Path) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap_or(Path::new(""));
     let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());

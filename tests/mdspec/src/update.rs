@@ -9,7 +9,7 @@ use std::ops::Range;
 pub struct Edit {
     /// Bytes that go.
     pub range: Range<usize>,
-    /// What comes in their place.
+    /// The replacement.
     pub text: String,
 }
 

@@ -1,7 +1,8 @@
-//! The machine of an example: a whole one in a fence `toml`, or a named one and what a fence `toml add` adds to it.
+//! The machine of an example: a complete machine in a fence `toml`, or a named one with the additions of a fence `toml
+//! add`.
 //!
-//! *Invariant:* what is added wins: tables are merged key by key, rows of arrays come after those of the named machine,
-//! every other value replaces the one that was there.
+//! *Invariant:* additions win: tables are merged key by key, rows of arrays come after those of the named machine,
+//! every other value replaces the previous one.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What the fences of the pages in `tests/spec/emulator` and `tests/spec/tables` mean (`tests/spec/README.md`).
+//! Meaning of the fences of the pages in `tests/spec/emulator` and `tests/spec/tables` (`tests/spec/README.md`).
 //!
 //! *Invariant:* an example depends on its page and its machine only, not on other examples.
 

@@ -64,7 +64,7 @@ fn taken(example: &Example) -> Vec<Way> {
     (0..usual).filter_map(|at| all.get((first + at * apart) % all.len()).copied()).collect()
 }
 
-/// Runs the example in its ways and compares each with what it was without them.
+/// Runs the example in its ways and compares each with the result without them.
 pub(super) fn check(example: &Example, case: &Case, plain: &Done, check: &mut Check<'_>) {
     for way in taken(example) {
         let Some(work) = case.work(|options| match way {

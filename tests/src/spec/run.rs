@@ -13,7 +13,7 @@ use counterpoint_mdspec::{Check, Example, counted, severity_name};
 use super::{Case, observe, outcome};
 use crate::Done;
 
-/// Compares an example with what comes out of it.
+/// Compares an example with its result.
 pub fn check(example: &Example, check: &mut Check<'_>) {
     let case = match Case::of(example) {
         Ok(case) => case,

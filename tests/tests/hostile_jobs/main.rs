@@ -1,7 +1,7 @@
 //! Jobs that do as much as they can in every unit of work: each ends within its limits and its memory, and each can be
 //! cancelled wherever it is.
 //!
-//! With `TIMES=1` and `--nocapture` it prints what each takes.
+//! With `TIMES=1` and `--nocapture` it prints the time of each.
 
 mod cases;
 mod storms;
@@ -212,7 +212,7 @@ fn limits_beyond_the_most_count_as_the_most() {
     assert_eq!(capped.memory, Limits::MOST.memory);
 }
 
-/// Bytes of memory, a program, and what the verdict names.
+/// Bytes of memory, a program, and the subject of the verdict.
 #[test]
 fn results_count_as_memory() {
     let _alone = alone();

@@ -21,7 +21,7 @@ register = \"P\"
 min = 0
 ";
 
-/// Word, primitive, and what it does.
+/// Word, primitive, and action.
 const WAITS: [(&str, &str, &str); 10] = [
     ("SYNC", "barrier", "wait"),
     ("MEET", "count", "wait"),
@@ -45,7 +45,7 @@ declaration = \"declare.mac\"
 code = [{ name = \"stop\", match = [\"CODE_OPSTOP\"], file = \"stop.mac\" }]
 ";
 
-/// What M1 does: a number that all channels share, and a line in a file that all channels share.
+/// Action of M1: a number that all channels share, and a line in a file that all channels share.
 const STOP: &str = "
 NUMBER=NUMBER*2+$VMCHN
 IF/NUMBER.GT.1000000

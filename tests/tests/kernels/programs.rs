@@ -68,8 +68,8 @@ pub enum Content {
 /// Marks of each kind, and shared variables.
 const MARKS: u64 = 3;
 
-/// Makes the programs of all channels at once: what belongs together gets into the programs of all who take part, in the same
-/// order everywhere, so that most jobs come to their end.
+/// Makes the programs of all channels at once: related statements go into the programs of all participants, in the same
+/// order everywhere, so that most jobs reach their end.
 pub struct Writer<'a> {
     pub numbers: &'a mut Numbers,
     pub channels: u16,
@@ -239,7 +239,8 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// What a channel does alone: moves, commands to the spindle, sums in shared variables, macros, and rarely an alarm.
+    /// Actions of a channel alone: moves, commands to the spindle, sums in shared variables, macros, and rarely an
+    /// alarm.
     fn other(&mut self, programs: &mut Programs, own: usize) {
         let number = self.numbers.below(9);
         let step = match self.numbers.below(120) {

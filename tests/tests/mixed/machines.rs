@@ -1,5 +1,6 @@
 //! The machines: a mill with an A and a C table, and a lathe of two channels whose upper turret has live tools and a C
-//! axis. Each also with macros that show where its axes stand, and with macros that change what happens.
+//! axis. Each also with macros that show the positions of its axes, and with macros that change the course of the
+//! program.
 
 use std::sync::Arc;
 

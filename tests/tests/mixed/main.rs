@@ -128,7 +128,7 @@ fn run(machine: Arc<Machine>, texts: &[String]) -> Result<(), TestCaseError> {
 }
 
 fn macros(cutter: bool) -> impl Strategy<Value = Macros> {
-    // What macros tell behind a move that waits is where the axes stood before it.
+    // After a waiting move, macros report the positions of the axes before that move.
     prop::sample::select(if cutter {
         vec![Macros::None, Macros::Meddling, Macros::Rounds]
     } else {

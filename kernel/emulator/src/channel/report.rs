@@ -17,7 +17,7 @@ impl Kernel<'_> {
     /// nothing but alarms. A diagnostic that is an alarm of the control stops the channel before the next code acts.
     pub fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
         if facts.alarm && self.ports.control.cancelled() {
-            // The program may not have been searched for everywhere.
+            // A cancelled search may not have looked everywhere.
             return;
         }
         let stops = self.channel.stops_at(facts);

@@ -77,7 +77,7 @@ impl Kernel<'_> {
         own.copied().flatten()
     }
 
-    /// Halts that macros raised in a place that could not leave the program.
+    /// Returns the halt that macros raised in a place that could not leave the program.
     pub(crate) fn pending_halt(&mut self) -> Acted {
         self.macros.calls.pending().map_or(Ok(()), Err)
     }

@@ -68,7 +68,7 @@ impl Kernel<'_> {
     pub(crate) fn add_code(&mut self, id: CodeId, value: f64) -> bool {
         let Some(row) = self.row_of_code(id) else { return false };
         let facts = &self.channel.env.machine.codes[row];
-        // The value is the number times the row's factor.
+        // The number before the row's factor and addend.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
         let pending = PendingCode { order: facts.order, row, value, modal: false, only_if_data_left: false };
         let next = self.channel.block.next.min(self.channel.block.pending.len());

@@ -101,7 +101,7 @@ impl Kernel<'_> {
             let [low, high] = travel.rows.get(row)?.get(column)?;
             if end == End::Low { *low } else { *high }
         });
-        // Digits of arcs after the sixth were not programmed.
+        // Digits of arcs after the ninth were not programmed.
         found.map_or(Value::Null, |value| Value::Real((value * 1e9).round() / 1e9))
     }
 

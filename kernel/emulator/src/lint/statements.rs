@@ -242,7 +242,7 @@ enum Given {
         waits: bool,
     },
     Axes(Vec<(String, Option<i64>)>),
-    /// The required data are missing.
+    /// Neither of these; the required data are missing.
     Nothing,
 }
 

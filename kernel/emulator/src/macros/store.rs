@@ -114,7 +114,7 @@ pub struct Store {
     pub(crate) idle: i64,
     /// Settings made by `$FCEPP`.
     pub(crate) preprocessor: super::settings::Settings,
-    /// Settings that are only possible before the end of Machine Startup are still open.
+    /// Whether settings that are only possible before the end of Machine Startup are still open.
     pub starting: bool,
 }
 

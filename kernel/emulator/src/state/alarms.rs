@@ -45,7 +45,7 @@ impl Channel<'_> {
         if self.goes_on_at(facts) { instead } else { NOT_DONE }
     }
 
-    /// Counts the errors in the log.
+    /// Counts an entry of the log if it is an error.
     pub(crate) fn count_error(&mut self, severity: u8) {
         if severity >= ERROR {
             self.reports.alarms.errors = self.reports.alarms.errors.saturating_add(1);

@@ -51,7 +51,7 @@ pub(super) fn subtract(txn: &WriteTransaction, digests: &BTreeSet<String>) -> Re
     Ok(())
 }
 
-/// Counts what all rows need.
+/// Counts the blobs that all rows need.
 pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     txn.open_table(BLOB).map_err(storage)?.retain(|_, _| false).map_err(storage)?;
     let jobs = txn.open_table(JOB).map_err(storage)?;

@@ -41,7 +41,7 @@ pub(crate) struct Rows {
     pub(crate) requests: Vec<String>,
     /// Logs whose job is not there.
     pub(crate) logs: Vec<String>,
-    /// The counts of blobs, the lists of jobs or what tenants use do not agree with the rows.
+    /// The counts of blobs, the lists of jobs or the usage of tenants do not agree with the rows.
     pub(crate) wrong_counts: bool,
 }
 

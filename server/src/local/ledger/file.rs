@@ -25,8 +25,8 @@ pub(crate) struct LedgerFile {
 }
 
 impl LedgerFile {
-    /// Opens the file or creates an empty one. What is in it is made durable first: a server before this one, or a sync
-    /// that failed, may have left an unanswered transaction that a loss of power would undo.
+    /// Opens the file or creates an empty one. Its content is made durable first: a previous server, or a sync that
+    /// failed, may have left an unanswered transaction that a loss of power would undo.
     pub(crate) fn open(disk: &Disk, path: &Path) -> io::Result<Self> {
         disk.step(Step::Create, path)?;
         let file = File::options().read(true).write(true).create(true).truncate(false).open(path)?;
@@ -72,7 +72,7 @@ impl StorageBackend for LedgerFile {
     }
 }
 
-/// The file as it is, with changes in memory only: what the database repairs when it opens stays there.
+/// The file unchanged, with changes in memory only: repairs by the database on opening stay there.
 #[derive(Debug)]
 pub(crate) struct Frozen(Mutex<Pages>);
 

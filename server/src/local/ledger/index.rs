@@ -102,7 +102,7 @@ pub(super) fn list_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// What is listed: term and identity.
+/// Entries of the list: term and identity.
 pub(super) fn listed(txn: &ReadTransaction) -> Result<BTreeSet<(String, String)>, Refusal> {
     let mut listed = BTreeSet::new();
     for row in txn.open_table(INDEX).map_err(storage)?.iter().map_err(storage)? {
@@ -113,7 +113,7 @@ pub(super) fn listed(txn: &ReadTransaction) -> Result<BTreeSet<(String, String)>
     Ok(listed)
 }
 
-/// What has to be listed for these jobs.
+/// Entries that the list must have for these jobs.
 pub(super) fn expected<'a>(jobs: impl Iterator<Item = &'a Record>) -> BTreeSet<(String, String)> {
     jobs.flat_map(|record| terms(record).into_iter().map(|term| (term, record.id.clone()))).collect()
 }

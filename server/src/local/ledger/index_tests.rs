@@ -46,7 +46,7 @@ impl Jobs {
         }
     }
 
-    /// What a look at every job finds.
+    /// Jobs found by looking at every job.
     fn scanned(&self, query: &Query) -> Vec<String> {
         let wanted = |job: &&Record| {
             let state = if query.running.contains(&job.id) { State::Running } else { job.state };

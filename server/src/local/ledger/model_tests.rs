@@ -1,8 +1,7 @@
 //! The ledger beside a twin in memory: random operations, random crashes.
 //!
-//! A crash lets all writes of the ledger's file fail from some step of an operation on, then the ledger is closed,
-//! examined and opened again. What was answered must be there; an operation that was refused is there wholly or not at
-//! all.
+//! A crash lets all writes of the ledger's file fail from some step of an operation on. Then the ledger is closed,
+//! examined and opened again. Answered operations must be there; a refused operation is there completely or not at all.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -68,7 +67,7 @@ impl Twin {
         self.logs.remove(id);
     }
 
-    /// Does an operation; `accepted`: what the ledger made of a submit. Gives whether the operation is refused.
+    /// Executes an operation; `accepted`: the ledger's record of a submit. Returns whether the operation is refused.
     fn apply(&mut self, operation: &Operation, accepted: Option<&Record>) -> bool {
         match operation {
             Operation::Submit(asked) => match self.by_request(&asked.tenant, &asked.request_id) {
@@ -249,7 +248,7 @@ impl Bench {
         self.ledger = Some(ledger);
     }
 
-    /// Whether the ledger holds what the twin holds.
+    /// Whether the ledger has the same content as the twin.
     fn holds(&self, twin: &Twin) -> Result<(), String> {
         let ledger = self.ledger();
         let same = |what: &str, same: bool| if same { Ok(()) } else { Err(what.to_owned()) };

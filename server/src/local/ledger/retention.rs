@@ -95,7 +95,7 @@ impl Sum {
     }
 }
 
-/// Up to `most` ended jobs beyond what is to be kept, oldest first.
+/// Up to `most` ended jobs beyond the retention limits, oldest first.
 pub(super) fn expired(txn: &ReadTransaction, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
     let table = txn.open_table(ENDED).map_err(storage)?;
     let mut all = Sum { jobs: table.len().map_err(storage)?, bytes: 0 };

@@ -60,7 +60,7 @@ fn tenants(_txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// 5 → 6: jobs are listed by state, machine and label, and what tenants use is counted.
+/// 5 → 6: jobs are listed by state, machine and label, and the usage of tenants is counted.
 fn terms_and_usage(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
     index::list_all(txn)?;
     usage::count_all(txn)

@@ -1,5 +1,4 @@
-//! What each tenant has used: bytes that are stored for it, and the processor time of its jobs on the last day that one
-//! of them ended.
+//! Usage of each tenant: its stored bytes, and the processor time of its jobs on the last day that one of them ended.
 //!
 //! Invariant: the bytes are those of the tenant's jobs in the list of ended ones; they change in the same transaction.
 

@@ -32,7 +32,7 @@ pub(super) type Reply = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
 /// Work in a transaction; dropping it answers that the ledger cannot be written.
 pub(super) type Work = Box<dyn FnOnce(&WriteTransaction) -> Reply + Send>;
 
-/// What is to be written, and for which tenant: a number of its own, 0 for the server itself.
+/// The operation to write, and its tenant: a number of its own, 0 for the server itself.
 pub(super) struct Operation {
     pub(super) tenant: u64,
     pub(super) work: Work,

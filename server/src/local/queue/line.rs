@@ -38,7 +38,7 @@ pub(super) struct Line {
     pub(super) running: usize,
     /// Time of workers that the tenant may use before it is the turn of the next, µs; below zero it owes as much.
     pub(super) credit: i64,
-    /// What a run of its takes, µs, from the last ones.
+    /// Typical duration of its runs, µs, from the last ones.
     typical: i64,
 }
 
@@ -92,7 +92,7 @@ impl Line {
         urgent + self.classes.get(spot.class).map_or(0, |class| class.places.before(spot.ordinal))
     }
 
-    /// A run begins: it is paid in advance with what a run of this tenant takes. Gives the price.
+    /// A run starts: it is paid in advance with the typical duration of a run of this tenant. Returns the price.
     pub(super) fn pay(&mut self) -> i64 {
         let price = self.typical.max(1);
         self.credit = (self.credit - price).max(-MOST_OWED);

@@ -162,7 +162,7 @@ impl Queue for LocalQueue {
                 let spot = Spot { class: class(ticket.priority), ordinal: self.last_ordinal };
                 let line = self.line(&tenant);
                 if line.len() == 0 {
-                    // What a tenant has saved is lost with its turn; what it owes stays while its jobs run.
+                    // A tenant's credit is lost with its turn; its debt stays while its jobs run.
                     line.credit = line.credit.min(0);
                     self.ring.push_back(tenant.clone());
                 }
