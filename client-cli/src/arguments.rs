@@ -283,7 +283,8 @@ pub(crate) struct ResultArgs {
 /// Subject to explain.
 #[derive(Debug, Args)]
 pub(crate) struct Explain {
-    /// Explain this word or number, such as G76, 'M98 P', '#5021', no-feed, 2019001, PS0160, $FSIN, DECLAR or CODE_RAPID
+    /// Explain this word or number, such as G76, 'M98 P', '#5021', no-feed, 2019001, PS0160, $FSIN, DECLAR or
+    /// CODE_RAPID
     #[arg(value_name = "WORD|NUMBER", required = true)]
     pub(crate) words: Vec<String>,
     /// Explain its meaning on this machine: the name of a shipped machine, or a folder with machine.toml
@@ -297,7 +298,8 @@ pub(crate) struct Explain {
 /// Subject of the analysis.
 #[derive(Debug, Args)]
 pub(crate) struct Analyse {
-    /// Analyse this job of the server, summary.json, or the output folder of a run; - reads the summary from standard input
+    /// Analyse this job of the server, summary.json, or the output folder of a run; - reads the summary from standard
+    /// input
     #[arg(value_name = "JOB|FILE|DIR|-")]
     pub(crate) of: String,
     /// Compute the end of the job if a channel works this much faster (or slower, with +), such as 2:-2.5s; repeat for

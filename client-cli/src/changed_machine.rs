@@ -1,8 +1,8 @@
 //! A machine with other data for one run.
 //!
-//! The files of the machine and of the families it extends are taken together, the value is replaced in them, and the run gets
-//! the changed machine. Invariants: lines keep their numbers, so that findings name the place in the user's file; a key that
-//! changes nothing on the machine is refused.
+//! The files of the machine and of the families it extends are taken together, the value is replaced in them, and the
+//! run gets the changed machine. Invariants: lines keep their numbers, so that findings name the place in the user's
+//! file; a key that changes nothing on the machine is refused.
 
 use std::ops::RangeInclusive;
 use std::path::Path;

@@ -60,8 +60,8 @@ impl Client {
         Ok(Self { server, own: None, _data: None })
     }
 
-    /// Starts a server in this process and connects to it over loopback. `patient`: a job that is stepped through stands until
-    /// its person comes back.
+    /// Starts a server in this process and connects to it over loopback. `patient`: a job that is stepped through
+    /// stands until its person comes back.
     pub(crate) async fn embed(asked: Asked, allow_system: bool, patient: bool) -> Result<Self, Error> {
         let data = tempfile::Builder::new().prefix("counterpoint-").tempdir();
         let data = data.map_err(Error::file(std::env::temp_dir()))?;

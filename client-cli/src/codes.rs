@@ -1,8 +1,8 @@
 //! Exit codes of `run --exit-code severity`: those of the emulated system.
 //!
-//! Facts: reference listing-and-trace.md 10. Decisions: a verdict or a cancelled job counts as fatal (16); a job that the
-//! kernel refuses to start is 200 if its programs are the cause, otherwise 100; a file of answers counts as a job file
-//! (105); a failure that the job did not cause is unexpected: 255 instead of -1.
+//! Facts: reference listing-and-trace.md 10. Decisions: a verdict or a cancelled job counts as fatal (16); a job that
+//! the kernel refuses to start is 200 if its programs are the cause, otherwise 100; a file of answers counts as a job
+//! file (105); a failure that the job did not cause is unexpected: 255 instead of -1.
 
 use counterpoint_proto::v1;
 use tonic::Code;

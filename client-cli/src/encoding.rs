@@ -1,7 +1,7 @@
 //! `--encoding NAME`: the code page that program files are written in.
 //!
-//! Files are converted to UTF-8 before they are hashed and uploaded. *Invariant:* no character is replaced silently: a file with
-//! bytes that the code page does not have is refused.
+//! Files are converted to UTF-8 before they are hashed and uploaded. *Invariant:* no character is replaced silently: a
+//! file with bytes that the code page does not have is refused.
 
 use std::str::FromStr;
 

@@ -11,8 +11,8 @@ use crate::pack::Pack;
 /// The remedy when no machine can be guessed.
 const ASK: &str = "use --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
 
-/// The machine for the programs of a job. `waits` are the M codes that are waiting codes, if they differ from those of the
-/// machines.
+/// The machine for the programs of a job. `waits` are the M codes that are waiting codes, if they differ from those of
+/// the machines.
 pub(crate) fn machine(pack: &Pack, waits: Option<&RangeInclusive<u32>>) -> Result<Guess, Error> {
     let mut programs = Vec::new();
     for program in &pack.programs {

@@ -9,8 +9,8 @@ use counterpoint_lang::ident;
 
 use crate::error::Error;
 
-/// Refuses a machine that is neither a folder with a definition nor a known name. The names on a remote server, which is
-/// not embedded, are not known here.
+/// Refuses a machine that is neither a folder with a definition nor a known name. The names on a remote server, which
+/// is not embedded, are not known here.
 pub(crate) fn machine(machine: &str, embedded: bool) -> Result<(), Error> {
     let names = package::shipped_names();
     if names.iter().any(|name| name == machine) {

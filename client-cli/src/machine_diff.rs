@@ -1,6 +1,7 @@
 //! `machine diff` and `machine show --changed`: two definitions row by row.
 //!
-//! *Invariant:* every key that differs is shown once, with both values; if a definition lacks the key, its value is absent.
+//! *Invariant:* every key that differs is shown once, with both values; if a definition lacks the key, its value is
+//! absent.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -112,7 +112,8 @@ pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String
     put_files(client, name, files, None).await
 }
 
-/// Uploads the files of a machine to the server; returns `name@revision`. Findings in rows of a table of tools name its lines.
+/// Uploads the files of a machine to the server; returns `name@revision`. Findings in rows of a table of tools name its
+/// lines.
 pub(crate) async fn put_files(
     client: &Client,
     name: String,

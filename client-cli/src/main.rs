@@ -1,7 +1,7 @@
 //! `counterpoint`: run NC programs, submit them to a server, watch them, read results.
 //!
-//! Invariants: data goes to standard output, status to standard error; the exit code says how the command ended (0 clean,
-//! 1 the job or macro ended with an error or a verdict, 2 bad usage or machine, 3 server or connection).
+//! Invariants: data goes to standard output, status to standard error; the exit code says how the command ended (0
+//! clean, 1 the job or macro ended with an error or a verdict, 2 bad usage or machine, 3 server or connection).
 
 mod admin;
 mod analyse;

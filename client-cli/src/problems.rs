@@ -1,8 +1,8 @@
 //! The problems of a job, for the report: causes before consequences, each once, with place, block and remedy.
 //!
-//! Errors are listed in the order in which they occurred, so a cause comes before its consequences: those that led to the
-//! verdict, the verdict, then later verdicts and errors. Warnings and notes follow. *Invariant:* a diagnostic that repeats
-//! the verdict is shown only as the verdict.
+//! Errors are listed in the order in which they occurred, so a cause comes before its consequences: those that led to
+//! the verdict, the verdict, then later verdicts and errors. Warnings and notes follow. *Invariant:* a diagnostic that
+//! repeats the verdict is shown only as the verdict.
 
 use std::fmt::Write as _;
 

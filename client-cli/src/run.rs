@@ -217,8 +217,8 @@ pub(crate) async fn submit_pack(
     Ok(client.submit(request).await?.job_id)
 }
 
-/// Follows a job to its end; the first interrupt cancels the job, the second ends the command. One that is stepped through and
-/// runs is paused instead.
+/// Follows a job to its end; the first interrupt cancels the job, the second ends the command. One that is stepped
+/// through and runs is paused instead.
 pub(crate) async fn follow(
     client: &Client,
     job: &str,

@@ -1,6 +1,7 @@
 //! `-`: standard input in place of a file.
 //!
-//! *Invariant:* a command reads standard input at most once, to its end, and no more than the largest file that a server takes.
+//! *Invariant:* a command reads standard input at most once, to its end, and no more than the largest file that a
+//! server takes.
 
 use std::io::{IsTerminal as _, Read as _};
 use std::path::Path;

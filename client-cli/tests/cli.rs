@@ -388,7 +388,8 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
     }
 }
 
-/// From Z500 to Z10 at 30 m/min and 5 m/s² takes 0.98 s and 0.1 s more for both changes of speed, with a tool of 80 in the spindle 0.92 s.
+/// From Z500 to Z10 at 30 m/min and 5 m/s² takes 0.98 s and 0.1 s more for both changes of speed, with a tool of 80 in
+/// the spindle 0.92 s.
 #[test]
 fn a_table_of_tools_counts_for_one_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -1059,7 +1060,8 @@ fields = [
     }
 }
 
-/// Files that are not programs in UTF-8: UTF-16 without a mark in both orders, a code page by name, and a warning otherwise.
+/// Files that are not programs in UTF-8: UTF-16 without a mark in both orders, a code page by name, and a warning
+/// otherwise.
 #[test]
 fn programs_are_read_in_their_encoding() {
     let folder = tempfile::tempdir().unwrap();

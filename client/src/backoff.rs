@@ -1,7 +1,7 @@
 //! How long to pause before something is tried again.
 //!
-//! *Invariant:* a pause is at least half and at most the whole of a time that doubles, so clients that failed together do
-//! not come back together.
+//! *Invariant:* a pause is at least half and at most the whole of a time that doubles, so clients that failed together
+//! do not come back together.
 
 use std::time::Duration;
 

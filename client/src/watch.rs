@@ -1,7 +1,7 @@
 //! Follows a job to its end, over broken connections and restarts of the server.
 //!
-//! *Invariants:* every event of the level is delivered once and in order; a watch ends with [`Update::Ended`] or an error,
-//! never quietly; `next` may be dropped and called again.
+//! *Invariants:* every event of the level is delivered once and in order; a watch ends with [`Update::Ended`] or an
+//! error, never quietly; `next` may be dropped and called again.
 
 use std::time::Duration;
 

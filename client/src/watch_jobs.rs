@@ -1,7 +1,7 @@
 //! Follows the states of many jobs, over broken connections and restarts of the server.
 //!
-//! *Invariants:* a job that has changed is delivered with its newest state at least once; `next` may be dropped and called
-//! again.
+//! *Invariants:* a job that has changed is delivered with its newest state at least once; `next` may be dropped and
+//! called again.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -26,8 +26,8 @@ pub enum JobUpdate {
     Job(Box<v1::JobStatus>),
     /// The job with this identity was removed.
     Removed(String),
-    /// The server does not know all changes since the cursor any more, for example after a restart; the jobs that have not
-    /// ended follow. Jobs that have ended meanwhile are found with `ListJobs`.
+    /// The server does not know all changes since the cursor any more, for example after a restart; the jobs that have
+    /// not ended follow. Jobs that have ended meanwhile are found with `ListJobs`.
     Anew,
 }
 

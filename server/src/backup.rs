@@ -102,7 +102,8 @@ fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
     Ok(fs::remove_file(&ready)?)
 }
 
-/// Puts a backup back as the data folder `to`, which must be new or empty; one with damages only if `damaged` allows it.
+/// Puts a backup back as the data folder `to`, which must be new or empty; one with damages only if `damaged` allows
+/// it.
 ///
 /// # Errors
 /// When the backup is damaged, when `to` is not empty, or when a file cannot be read or written.

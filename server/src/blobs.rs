@@ -59,8 +59,8 @@ pub(crate) trait Blobs: Send + Sync + Debug {
     /// Begins to receive a blob announced as `digest`, and perhaps with its size.
     fn receive(&self, digest: &str, size: Option<u64>) -> Result<Box<dyn Receiver>, Refusal>;
 
-    /// Puts a content of this process, whose digest its owner has made, in its place: where blobs are in memory nothing is
-    /// copied.
+    /// Puts a content of this process, whose digest its owner has made, in its place: where blobs are in memory nothing
+    /// is copied.
     fn put(&self, digest: &str, content: Bytes) -> Result<(), Refusal>;
 
     /// Blobs that have been neither uploaded nor offered for a while, in small groups; none where they go with the

@@ -1,6 +1,7 @@
 //! Open connections: their callers, their start, and their calls.
 //!
-//! *Invariant:* a connection is listed exactly as long as its [`Connection`] lives, a call counts until its [`Call`] is dropped.
+//! *Invariant:* a connection is listed exactly as long as its [`Connection`] lives, a call counts until its [`Call`] is
+//! dropped.
 
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};

@@ -148,8 +148,8 @@ fn examine(folder: &Path, repair: bool) -> ExitCode {
     ExitCode::from(u8::from(left > 0))
 }
 
-/// A thread for work that may block ends when it had none for so long. Idle threads take turns, so under steady load a longer
-/// time would keep as many indefinitely as the largest burst has needed.
+/// A thread for work that may block ends when it had none for so long. Idle threads take turns, so under steady load a
+/// longer time would keep as many indefinitely as the largest burst has needed.
 const IDLE_THREAD: Duration = Duration::from_millis(100);
 
 fn main() -> ExitCode {

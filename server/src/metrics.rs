@@ -1,7 +1,7 @@
 //! The counters and measurements of the server.
 //!
-//! Invariants: [`TABLE`] names everything that is ever shown (a test compares it with the docs); labels have few values,
-//! so nothing grows with jobs or callers but the list of tenants.
+//! Invariants: [`TABLE`] names everything that is ever shown (a test compares it with the docs); labels have few
+//! values, so nothing grows with jobs or callers but the list of tenants.
 
 use std::time::Duration;
 

@@ -1,11 +1,11 @@
 //! The queue: which job runs next, and how many are before a given one.
 //!
-//! [`Queue`] is the seam; the one in memory is in `local`. Tenants that have jobs waiting take turns, and a turn is worth
-//! the same time of workers for each. Of one tenant, urgent jobs go first and others in the order of acceptance; a job
-//! that has waited long counts as more urgent. Two kinds go before all of them: jobs whose run the host failed, when
-//! their time has come, and, one at a time, jobs that were running when the server before this one died. A job that is held back keeps its place among the jobs that a
-//! tenant may let wait, but takes no turn. Invariant: a
-//! job is waiting, running or being stored, and never two of these.
+//! [`Queue`] is the seam; the one in memory is in `local`. Tenants that have jobs waiting take turns, and a turn is
+//! worth the same time of workers for each. Of one tenant, urgent jobs go first and others in the order of acceptance;
+//! a job that has waited long counts as more urgent. Two kinds go before all of them: jobs whose run the host failed,
+//! when their time has come, and, one at a time, jobs that were running when the server before this one died. A job
+//! that is held back keeps its place among the jobs that a tenant may let wait, but takes no turn. Invariant: a job is
+//! waiting, running or being stored, and never two of these.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Debug;
@@ -36,7 +36,8 @@ pub(crate) struct Ticket<'a> {
 
 /// Jobs that wait, and who has a place. Calls do not block.
 pub(crate) trait Queue: Send + Debug {
-    /// Lets each tenant have `most` workers, and single tenants other numbers; 0 = without limit. Jobs that run continue.
+    /// Lets each tenant have `most` workers, and single tenants other numbers; 0 = without limit. Jobs that run
+    /// continue.
     fn let_run(&mut self, most: usize, own: HashMap<String, usize>);
 
     /// Jobs that wait, also those held back.
@@ -76,8 +77,8 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs on workers.
     fn running(&self) -> Vec<String>;
 
-    /// Jobs on workers that are to let others have their core, so that no more than `slots` jobs use one: of tenants with
-    /// several jobs on workers, those that began last.
+    /// Jobs on workers that are to let others have their core, so that no more than `slots` jobs use one: of tenants
+    /// with several jobs on workers, those that began last.
     fn suspended(&self, slots: usize) -> BTreeSet<String>;
 
     /// Number of jobs on workers.

@@ -106,8 +106,8 @@ pub fn forced_threads() -> Option<u16> {
 }
 
 /// Runs all tests of this executable but `except` once more in each setting, in a process of its own. Such a process
-/// runs no further ones. `EVERYWHERE=all` takes all [`SETTINGS`], `TIMES=1` prints how long each took. Where the system has no
-/// way to choose processors, nothing is run.
+/// runs no further ones. `EVERYWHERE=all` takes all [`SETTINGS`], `TIMES=1` prints how long each took. Where the system
+/// has no way to choose processors, nothing is run.
 ///
 /// # Panics
 /// When a test fails or does not end.

@@ -8,8 +8,8 @@ use counterpoint_kernel::log::summary::{ChannelState, State};
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::{Work, machine};
 
-/// An alarm: as the control shows it, the number of its diagnostic, machine, rows over it, program (the alarm comes in its
-/// last line but two, `G0 X99.` and `M30` follow).
+/// An alarm: as the control shows it, the number of its diagnostic, machine, rows over it, program (the alarm comes in
+/// its last line but two, `G0 X99.` and `M30` follow).
 struct Case(&'static str, u32, &'static str, &'static str, &'static str);
 
 /// Parameter 3403#5.

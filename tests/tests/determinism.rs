@@ -216,7 +216,8 @@ fn everywhere() {
     processors::everywhere(&processors::FEW_SETTINGS, "everywhere", &[("MIXED_CASES", "6")]);
 }
 
-/// A program of a channel for random jobs: marks with lists of all kinds, starts of other channels, and loops around them.
+/// A program of a channel for random jobs: marks with lists of all kinds, starts of other channels, and loops around
+/// them.
 fn marks(own: u16, channels: u16, seed: &mut u64) -> String {
     let mut next = |below: u64| {
         *seed ^= *seed << 13;

@@ -216,8 +216,8 @@ fn times_of_the_machine_table() {
 #[test]
 fn acceleration_counts_for_rapids_and_exact_stop() {
     let overlay = "[[axes]]\nname = \"Z1\"\nrapid = 6000\nhome = 500\nacceleration = 1000\n";
-    // 100 mm at 100 mm/s and 1000 mm/s²: 1.1 s. The feed moves speed up once and brake once; with simple times the plain
-    // one takes 1.0 s, and the one with exact stop does both.
+    // 100 mm at 100 mm/s and 1000 mm/s²: 1.1 s. The feed moves speed up once and brake once; with simple times the
+    // plain one takes 1.0 s, and the one with exact stop does both.
     let text = "G98 F6000.\nG0 Z400.\nG1 Z300.\nG9 G1 Z200.\nM30\n";
     for (time, expected) in [(TimeModel::Full, [1.1, 1.05, 1.05]), (TimeModel::Simple, [1.1, 1.0, 1.1])] {
         let done = run_on("fanuc-2path-lathe-exact", overlay, text, Options { time, ..Options::default() });

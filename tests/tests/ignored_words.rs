@@ -1,4 +1,5 @@
-//! Blocks that Fanuc and Haas controls take as they are: no word of them makes a job FAILED, none is reported as left over.
+//! Blocks that Fanuc and Haas controls take as they are: no word of them makes a job FAILED, none is reported as left
+//! over.
 
 use std::fmt::Write as _;
 

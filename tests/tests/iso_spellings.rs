@@ -1,5 +1,5 @@
-//! The same part of a TNC in both languages: a conversational and an ISO program make the same moves in the same time, and raise
-//! the same diagnostics. Parts are made at random, on the machine as it is shipped.
+//! The same part of a TNC in both languages: a conversational and an ISO program make the same moves in the same time,
+//! and raise the same diagnostics. Parts are made at random, on the machine as it is shipped.
 
 use std::fmt::Write as _;
 use std::sync::Arc;

@@ -165,8 +165,8 @@ fn nothing_else_acts() {
     clean(&path("O1\nT9999 X99999.\nM101\nG1 X1.\nG2 X1. R0.001\nM30\n"));
 }
 
-/// A run stops at the first word that the machine lacks; here all of them are named at once, each once, in branches too and
-/// behind blocks where the waits are judged no further.
+/// A run stops at the first word that the machine lacks; here all of them are named at once, each once, in branches too
+/// and behind blocks where the waits are judged no further.
 #[test]
 fn all_unknown_words_are_reported_in_one_go() {
     let program =

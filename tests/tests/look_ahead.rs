@@ -1,4 +1,5 @@
-//! Moves whose times later ones decide: random programs of two channels that meet, share a variable and exchange an axis.
+//! Moves whose times later ones decide: random programs of two channels that meet, share a variable and exchange an
+//! axis.
 //!
 //! Properties of every program: one log for any number of threads, events of a channel in the order of their times,
 //! the same moves as with simple times, none of them faster than those.

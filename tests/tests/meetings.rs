@@ -153,7 +153,8 @@ fn a_hundred_thousand_waits_in_a_program() {
     println!("100,000 waits of three channels: {memory:?} bytes with one thread, all, two");
 }
 
-/// Three times the meetings take no more memory than their places in the list of sync points: 1 KiB each for four channels.
+/// Three times the meetings take no more memory than their places in the list of sync points: 1 KiB each for four
+/// channels.
 #[test]
 #[ignore = "takes minutes without optimisation"]
 fn memory_stays_flat_in_a_storm() {

@@ -1,8 +1,9 @@
-//! Every code of every shipped machine beside a word of every axis: nothing moves in such a block unless the table here says so.
+//! Every code of every shipped machine beside a word of every axis: nothing moves in such a block unless the table here
+//! says so.
 //!
-//! A code that takes some axis words must not leave others to the motion code in force. The table lists the codes that leave
-//! axis words to it, as their controls do, and those that move by themselves. *Invariant:* a code that is added to a machine
-//! and moves something is either right, and gets a row, or is a mistake.
+//! A code that takes some axis words must not leave others to the motion code in force. The table lists the codes that
+//! leave axis words to it, as their controls do, and those that move by themselves. *Invariant:* a code that is added
+//! to a machine and moves something is either right, and gets a row, or is a mistake.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -100,7 +101,8 @@ const MOVES: &[&str] = &[
     "CODE_OKUMA_WORK_ONCE",
 ];
 
-/// Words that a control takes without effect on path or time, and that leave axis words to the motion code, beside those with M.
+/// Words that a control takes without effect on path or time, and that leave axis words to the motion code, beside
+/// those with M.
 const IGNORED: &[&str] = &[
     "AXIS POS",
     "BRISK",
@@ -285,7 +287,8 @@ struct Task {
     blocks: Vec<String>,
 }
 
-/// All of them. Machines of a family share rows, and the same row beside the same word does the same; `MIXED_CASES` runs them all.
+/// All of them. Machines of a family share rows, and the same row beside the same word does the same; `MIXED_CASES`
+/// runs them all.
 fn tasks() -> Vec<Task> {
     let once = cases(0) == 0;
     let mut known: BTreeSet<(String, u32, String)> = BTreeSet::new();

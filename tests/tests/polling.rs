@@ -1,5 +1,5 @@
-//! Random programs that wait for variables of each other: who can never leave a loop is found by a search without time, and
-//! the verdict must name exactly those, with the lines of their loops, under any schedule of threads.
+//! Random programs that wait for variables of each other: who can never leave a loop is found by a search without time,
+//! and the verdict must name exactly those, with the lines of their loops, under any schedule of threads.
 
 use std::collections::BTreeSet;
 
@@ -67,7 +67,8 @@ fn program(own: u16, numbers: &mut Numbers) -> (String, Vec<Step>) {
     (lines.join("\n"), steps)
 }
 
-/// The channels that never leave a loop, with the lines at which the loops begin: each channel continues if it can, in any order.
+/// The channels that never leave a loop, with the lines at which the loops begin: each channel continues if it can, in
+/// any order.
 fn stuck(programs: &[Vec<Step>]) -> BTreeSet<(u16, u32)> {
     let mut written = BTreeSet::new();
     let mut at = vec![0; programs.len()];

@@ -1,8 +1,8 @@
 //! A control's memory of its words: after every block codes, system variables, summary and stepping agree.
 //!
-//! Programs are made at random for a mill: offset numbers with and without their codes, macros and subprograms, data that G10
-//! sets, blocks that a macro issues (EXEC), and a second program after a reset. A model that shares nothing with the kernel keeps
-//! the words; it knows the blocks as they were made, not their text.
+//! Programs are made at random for a mill: offset numbers with and without their codes, macros and subprograms, data
+//! that G10 sets, blocks that a macro issues (EXEC), and a second program after a reset. A model that shares nothing
+//! with the kernel keeps the words; it knows the blocks as they were made, not their text.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing, missing_docs)]
 

@@ -1,6 +1,7 @@
 //! Random programs under frames of rotary axes against the same programs without them, their words worked out here.
 //!
-//! Tool tip control, work offsets, machine coordinates, reference points, distances and variables of positions go through both.
+//! Tool tip control, work offsets, machine coordinates, reference points, distances and variables of positions go
+//! through both.
 
 use counterpoint_kernel::log::event::{Kind, Position};
 use counterpoint_kernel::options::{Limits, Options};

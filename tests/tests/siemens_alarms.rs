@@ -1,5 +1,5 @@
-//! Alarms of Siemens controls: each program runs into its alarm, the text names its number, the channel stops, nothing of the
-//! block has moved, and the job is FAILED. Programs beside them that are allowed run to their end.
+//! Alarms of Siemens controls: each program runs into its alarm, the text names its number, the channel stops, nothing
+//! of the block has moved, and the job is FAILED. Programs beside them that are allowed run to their end.
 //!
 //! The numbers are those of the list of alarms of the 840D.
 

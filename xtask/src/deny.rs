@@ -1,7 +1,8 @@
 //! Licences, banned crates and sources of everything that is built, by the rules of `deny.toml`.
 //!
 //! The file is that of cargo-deny, which finds the same where it is installed. Read here: `licenses.allow`,
-//! `licenses.private.ignore`, `bans.deny`, `bans.wildcards`, `sources`. Invariant: a setting that is not read is an error.
+//! `licenses.private.ignore`, `bans.deny`, `bans.wildcards`, `sources`. Invariant: a setting that is not read is an
+//! error.
 
 use std::path::Path;
 

@@ -15,8 +15,8 @@ pub(crate) struct Calibrate {
     /// Begin with the data of this machine: a name, or a folder with machine.toml
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: String,
-    /// Read measured times from this file: a table with the columns `line` and `seconds`, or `line` and `time` of samples,
-    /// or a document of MTConnect
+    /// Read measured times from this file: a table with the columns `line` and `seconds`, or `line` and `time` of
+    /// samples, or a document of MTConnect
     #[arg(long, value_name = "FILE")]
     pub(crate) measured: PathBuf,
     /// Take the lines of this channel

@@ -27,15 +27,16 @@ pub(crate) struct Inputs {
     /// stops the channel
     #[arg(long, value_enum, default_value_t = RaceCheck::Warn, value_name = "off|warn|alarm", hide_possible_values = true)]
     pub(crate) races: RaceCheck,
-    /// Time moves at feed as the machine makes them, with acceleration, corners and look-ahead where its definition gives
-    /// them, or simply as length by feed
+    /// Time moves at feed as the machine makes them, with acceleration, corners and look-ahead where its definition
+    /// gives them, or simply as length by feed
     #[arg(long, value_enum, default_value_t = Timing::Full, value_name = "full|simple", hide_possible_values = true)]
     pub(crate) time: Timing,
     /// Run at most this many channels in parallel (0 = all); results are identical for any value
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
-    /// Trace the steps of these letters: I input blocks, E edited blocks, W words, C codes and data, A actions, M code and
-    /// data macros, H other macros, S messages, X MDI and EXEC, Z files stored with the machine [without letters: all]
+    /// Trace the steps of these letters: I input blocks, E edited blocks, W words, C codes and data, A actions, M code
+    /// and data macros, H other macros, S messages, X MDI and EXEC, Z files stored with the machine [without letters:
+    /// all]
     #[arg(
         long,
         value_name = "LETTERS",
@@ -70,10 +71,12 @@ pub(crate) struct ProgramFiles {
     /// Add files that the programs may call (a folder adds all its files)
     #[arg(long = "with", value_name = "FILE|DIR")]
     pub(crate) with: Vec<PathBuf>,
-    /// Read the programs in this code page: windows-1252, iso-8859-2, cp850, shift_jis, utf-16le, … [default: UTF-8, or UTF-16]
+    /// Read the programs in this code page: windows-1252, iso-8859-2, cp850, shift_jis, utf-16le, … [default: UTF-8, or
+    /// UTF-16]
     #[arg(long, value_name = "NAME")]
     pub(crate) encoding: Option<Encoding>,
-    /// Name the program from standard input (-), for messages, results and the guess of the machine (default: standard input)
+    /// Name the program from standard input (-), for messages, results and the guess of the machine (default: standard
+    /// input)
     #[arg(long, value_name = "FILE", value_parser = file_name)]
     pub(crate) name: Option<String>,
 }
@@ -91,18 +94,18 @@ fn file_name(text: &str) -> Result<String, String> {
 /// The machine of a job.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct On {
-    /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs, or refused if they
-    /// do not show it]
+    /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs, or refused if
+    /// they do not show it]
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
-    /// Set a datum of the machine for this run (repeat for several): `waits=900-999`, the M codes that are waiting codes;
-    /// `numbers=increments`, coordinates without a decimal point count least increments; `system=B`, the G codes of a lathe
-    /// (A, B or C); `shared=500-549`, common variables that all channels share; `warn.2900680=off`, a warning by number or
-    /// word, off or on
+    /// Set a datum of the machine for this run (repeat for several): `waits=900-999`, the M codes that are waiting
+    /// codes; `numbers=increments`, coordinates without a decimal point count least increments; `system=B`, the G codes
+    /// of a lathe (A, B or C); `shared=500-549`, common variables that all channels share; `warn.2900680=off`, a
+    /// warning by number or word, off or on
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<Setting>,
-    /// Take tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file with a
-    /// column `number`
+    /// Take tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file
+    /// with a column `number`
     #[arg(long, value_name = "FILE")]
     pub(crate) tools: Option<PathBuf>,
 }
@@ -137,8 +140,8 @@ pub(crate) struct Attended {
     /// leaves the question to `counterpoint attend`. Without this flag such a dialog fails
     #[arg(long)]
     pub(crate) attend: bool,
-    /// Step through the job: `run` reads commands from standard input (`help` lists them) and writes stops to standard output,
-    /// `submit` leaves the job to `counterpoint step`
+    /// Step through the job: `run` reads commands from standard input (`help` lists them) and writes stops to standard
+    /// output, `submit` leaves the job to `counterpoint step`
     #[arg(long)]
     pub(crate) step: bool,
 }

@@ -101,7 +101,8 @@ impl Subject {
         Ok(Self { machine, local, definition, own })
     }
 
-    /// The words of a text, with the answer of the control and of other machines for those that the machine does not have.
+    /// The words of a text, with the answer of the control and of other machines for those that the machine does not
+    /// have.
     fn words(&self, asked: &str) -> Vec<Value> {
         let mut words = self.looked_up(asked);
         for word in words.iter_mut().filter(|word| word.at("known") == false) {

@@ -1,6 +1,7 @@
 //! The rows of a machine that a program word selects.
 //!
-//! *Invariant:* the rows are those that the scanner finds for the word alone; conditions on other words are shown but not tested.
+//! *Invariant:* the rows are those that the scanner finds for the word alone; conditions on other words are shown but
+//! not tested.
 
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::ident;

@@ -40,7 +40,8 @@ pub(crate) struct Load {
     /// Put load on a server on another machine
     #[arg(long)]
     pub(crate) allow_remote: bool,
-    /// Measure processor time, memory, descriptors, threads and data folder of this process [default: the one that listens on the port of the server]
+    /// Measure processor time, memory, descriptors, threads and data folder of this process [default: the one that
+    /// listens on the port of the server]
     #[arg(long, value_name = "PID")]
     pub(crate) server_pid: Option<u32>,
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! Whether the server grows under a load that stays the same.
 //!
-//! *Invariant:* a figure that goes up and down has no growth: medians of the first and of the last third of the measured
-//! time are compared, so neither a single peak nor the phase of a sawtooth decides.
+//! *Invariant:* a figure that goes up and down has no growth: medians of the first and of the last third of the
+//! measured time are compared, so neither a single peak nor the phase of a sawtooth decides.
 
 use serde::Serialize;
 

@@ -1,7 +1,7 @@
 //! The measurements of a load.
 //!
-//! *Invariants:* times are kept in microseconds with three digits; figures of a second and of the whole come from the same
-//! calls.
+//! *Invariants:* times are kept in microseconds with three digits; figures of a second and of the whole come from the
+//! same calls.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -1,6 +1,7 @@
 //! The kinds of jobs of a load, from a file.
 //!
-//! *Invariant:* jobs come in a fixed order in which each kind is spread evenly by its weight, so two runs submit the same.
+//! *Invariant:* jobs come in a fixed order in which each kind is spread evenly by its weight, so two runs submit the
+//! same.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -57,8 +57,8 @@ fn alarm_name(word: &str) -> Option<(&str, u32)> {
     Some((letters, digits.parse().ok().filter(|_| plain)?))
 }
 
-/// The rows of the list of alarms that name an alarm, and the pages of all diagnostics that raise it. Zeros before the number
-/// may be left out, and so may the letters.
+/// The rows of the list of alarms that name an alarm, and the pages of all diagnostics that raise it. Zeros before the
+/// number may be left out, and so may the letters.
 fn alarm(what: &str) -> Option<String> {
     let word = what.trim().to_uppercase().replace('/', "");
     let asked = alarm_name(&word);

@@ -1,7 +1,7 @@
 //! A table of tools as a CSV file: a line for each tool, the columns named in the first line.
 //!
-//! Invariants: a row of the definition knows its line of the file; a tool of a control with edges gets the offset of its
-//! edge; a column `X` means each axis that programs call X.
+//! Invariants: a row of the definition knows its line of the file; a tool of a control with edges gets the offset of
+//! its edge; a column `X` means each axis that programs call X.
 
 use std::fmt::Write as _;
 
@@ -75,7 +75,8 @@ struct Row {
 }
 
 impl Row {
-    /// A value along each axis that programs call by a name; a name without an axis stays, for the message of the loader.
+    /// A value along each axis that programs call by a name; a name without an axis stays, for the message of the
+    /// loader.
     fn along(into: &mut Vec<String>, axis: &str, value: f64, machine: &Facts) {
         let known = machine.axes(axis);
         let axes = if known.is_empty() { vec![axis] } else { known };

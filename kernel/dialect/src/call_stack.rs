@@ -1,7 +1,7 @@
 //! The programs that run: the main program, those it has called, and parts of programs that are called.
 //!
-//! A called program has variables of its own; a part of a program, as a label of Heidenhain or a repetition of Siemens, uses
-//! those of its program. *Invariant:* the level of the main program remains when others return.
+//! A called program has variables of its own; a part of a program, as a label of Heidenhain or a repetition of Siemens,
+//! uses those of its program. *Invariant:* the level of the main program remains when others return.
 
 /// Levels that were set aside.
 #[derive(Debug, Clone)]

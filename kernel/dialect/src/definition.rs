@@ -24,7 +24,8 @@ pub trait Dialect: Sync {
         &[]
     }
 
-    /// Where the lead of a thread and the feed per revolution have the same address, one is the modal value of the other.
+    /// Where the lead of a thread and the feed per revolution have the same address, one is the modal value of the
+    /// other.
     fn lead_is_feed(&self) -> bool {
         false
     }
@@ -54,7 +55,8 @@ pub trait Dialect: Sync {
         None
     }
 
-    /// Reads its blocks without executing them; none if it has no interpreter, or if the effect of its blocks is unknown.
+    /// Reads its blocks without executing them; none if it has no interpreter, or if the effect of its blocks is
+    /// unknown.
     fn reader(&self, _machine: &Machine) -> Option<Box<dyn Reader>> {
         None
     }

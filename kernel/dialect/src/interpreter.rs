@@ -19,8 +19,8 @@ pub trait Interpreter: Send {
     /// Faults that stop the channel; mistakes of the program are alarms by [`super::host::Report::alarm`].
     fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt>;
 
-    /// Reads the words of the block as the arguments of a macro call; `own` is the word (register and value) that calls by
-    /// itself. None if the block has no words.
+    /// Reads the words of the block as the arguments of a macro call; `own` is the word (register and value) that calls
+    /// by itself. None if the block has no words.
     ///
     /// # Errors
     /// The reason why the channel stops.
@@ -87,7 +87,8 @@ pub trait Interpreter: Send {
         false
     }
 
-    /// Executes a line that it is known to execute ([`executes`](Self::executes)) without its text; none: it needs the text.
+    /// Executes a line that it is known to execute ([`executes`](Self::executes)) without its text; none: it needs the
+    /// text.
     ///
     /// # Errors
     /// As those of [`block`](Self::block).

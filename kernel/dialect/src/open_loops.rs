@@ -1,6 +1,7 @@
 //! Loops whose ends carry a number: which begin belongs to which end.
 //!
-//! *Invariant:* the innermost open loop with the number of an end belongs to it, those inside are over; each begin is looked at once.
+//! *Invariant:* the innermost open loop with the number of an end belongs to it, those inside are over; each begin is
+//! looked at once.
 
 /// Loops that have begun, by number.
 #[derive(Debug)]

@@ -25,8 +25,8 @@ pub enum Search {
 }
 
 impl Search {
-    /// One of some places in ascending order, none of them before `first` or after `last`; `next` comes after the block that
-    /// looks.
+    /// One of some places in ascending order, none of them before `first` or after `last`; `next` comes after the block
+    /// that looks.
     pub fn find<T: Ord + Copy>(self, places: &[T], next: T, (first, last): (T, T)) -> Option<T> {
         let from = places.partition_point(|place| *place < first);
         let to = places.partition_point(|place| *place <= last).max(from);

@@ -1,4 +1,5 @@
-//! The waits of a machine: from a word or a statement of the program to a wait or an act of `sync`, by the machine's data.
+//! The waits of a machine: from a word or a statement of the program to a wait or an act of `sync`, by the machine's
+//! data.
 //!
 //! *Invariant:* the kernels and the coordinator of a job number the rules in the same way. Facts: reference
 //! channel-synchronisation.md 1.0 to 1.9.

@@ -1,7 +1,7 @@
 //! The text of a file, line by line.
 //!
-//! A byte order mark is not part of the text; UTF-16 becomes UTF-8. Invariant: other bytes are kept as they are; a line ends at LF,
-//! CR LF or a lone CR, and the line's text excludes its end. Lines count from 1.
+//! A byte order mark is not part of the text; UTF-16 becomes UTF-8. Invariant: other bytes are kept as they are; a line
+//! ends at LF, CR LF or a lone CR, and the line's text excludes its end. Lines count from 1.
 
 use bytes::Bytes;
 
@@ -34,8 +34,8 @@ fn plain(bytes: Bytes, asked: impl Fn() -> bool) -> Bytes {
 }
 
 impl Text {
-    /// Indexes the lines of `bytes`. A text of 4 GiB or more is cut at 4 GiB − 1. Once `asked` says that the job is to end,
-    /// the rest has no lines.
+    /// Indexes the lines of `bytes`. A text of 4 GiB or more is cut at 4 GiB − 1. Once `asked` says that the job is to
+    /// end, the rest has no lines.
     #[must_use]
     pub fn new(bytes: Bytes, asked: impl Fn() -> bool) -> Self {
         let bytes = plain(bytes, &asked);

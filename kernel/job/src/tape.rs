@@ -18,7 +18,8 @@ pub struct Step {
     pub text: Vec<u8>,
 }
 
-/// The rules that change a line, in the order in which they act: those that are on at the start of a program, or all of them.
+/// The rules that change a line, in the order in which they act: those that are on at the start of a program, or all of
+/// them.
 #[must_use]
 pub fn steps(machine: &Machine, line: &[u8], all: bool) -> Vec<Step> {
     let marks = Marks::new(&machine.format, counterpoint_dialect::of(machine).syntax());

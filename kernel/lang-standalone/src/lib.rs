@@ -41,8 +41,8 @@ pub fn check(text: &str, name: &str) -> Vec<Diagnostic> {
 /// A name and a text.
 pub type File = (String, String);
 
-/// All diagnostics of files (name and text) that are used together, in their order. They know each other's functions and
-/// shared variables. Under strong declaration the last one is a macro, those before it declare.
+/// All diagnostics of files (name and text) that are used together, in their order. They know each other's functions
+/// and shared variables. Under strong declaration the last one is a macro, those before it declare.
 #[must_use]
 pub fn check_all(files: &[File], host: &mut Standalone, strong: Strong) -> Vec<Vec<Diagnostic>> {
     let mut program = Program::new();

@@ -1,7 +1,7 @@
 //! The code of a macro.
 //!
-//! *Invariant:* an instruction is eight bytes and names registers, never places in memory; constants sit in registers of
-//! their own that are filled once. Every instruction knows its statement, and some have a short form in [`fast`].
+//! *Invariant:* an instruction is eight bytes and names registers, never places in memory; constants sit in registers
+//! of their own that are filled once. Every instruction knows its statement, and some have a short form in [`fast`].
 
 pub mod body;
 pub mod fast;

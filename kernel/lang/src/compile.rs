@@ -1,7 +1,8 @@
 //! From the tree to bytecode, with every check that can be made before running.
 //!
 //! *Invariant:* all diagnostics of a file are found in one pass; a program holds code only for macros without errors.
-//! Names of shared variables and functions are resolved once, here. Facts: reference macro-language.md 1.4 to 1.6, 2, 3.
+//! Names of shared variables and functions are resolved once, here. Facts: reference macro-language.md 1.4 to 1.6, 2,
+//! 3.
 
 mod arms;
 mod assign;

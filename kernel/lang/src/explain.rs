@@ -1,7 +1,7 @@
 //! The effects of functions and statements, one line each.
 //!
-//! *Invariant:* every function and statement that control emulator macros can use has a row; a test compares the rows with
-//! the tables of the parser and of the functions.
+//! *Invariant:* every function and statement that control emulator macros can use has a row; a test compares the rows
+//! with the tables of the parser and of the functions.
 
 use std::sync::OnceLock;
 

@@ -60,8 +60,9 @@ pub fn major_name(subclass: i32) -> Option<&'static str> {
     major().names.get(&subclass).copied()
 }
 
-/// The record that a word names: a major word, or a reserved word of the post-processor product that is a record of its own. The
-/// numbers of the latter are those of cutter location data; class 29000 is this project's own, for words without one.
+/// The record that a word names: a major word, or a reserved word of the post-processor product that is a record of its
+/// own. The numbers of the latter are those of cutter location data; class 29000 is this project's own, for words
+/// without one.
 #[must_use]
 pub fn record(word: &str) -> Option<Record> {
     let reserved = || records().iter().find(|(name, _)| *name == word).map(|(_, record)| *record);

@@ -1,8 +1,9 @@
 //! The macro language of the control emulator. Knows nothing of machines, programs, channels or I/O.
 //!
-//! Ground floor first: [`value`], [`ident`], [`source`], [`diag`], [`fault`], [`lex`], [`ast`], [`parse`], [`mod@format`],
-//! [`pattern`], [`layout`], [`state`], [`host`], [`func`], [`bytecode`], [`program`], [`compile`], [`vm`], [`explain`]. A source is lexed and parsed without
-//! ever failing, compiled once to [`bytecode`] with every error it has, and run by [`vm::run`] against a [`host::Host`].
+//! Ground floor first: [`value`], [`ident`], [`source`], [`diag`], [`fault`], [`lex`], [`ast`], [`parse`],
+//! [`mod@format`], [`pattern`], [`layout`], [`state`], [`host`], [`func`], [`bytecode`], [`program`], [`compile`],
+//! [`vm`], [`explain`]. A source is lexed and parsed without ever failing, compiled once to [`bytecode`] with every
+//! error it has, and run by [`vm::run`] against a [`host::Host`].
 
 pub mod ast;
 pub mod bytecode;

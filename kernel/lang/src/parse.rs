@@ -1,7 +1,7 @@
 //! From tokens to the tree.
 //!
-//! *Invariant:* parsing never fails; it gives a tree and diagnostics, continues at the next line after an error, and takes
-//! linear time. Facts: reference macro-language.md 1 to 3; the grammar is in docs/macro-language/grammar.md.
+//! *Invariant:* parsing never fails; it gives a tree and diagnostics, continues at the next line after an error, and
+//! takes linear time. Facts: reference macro-language.md 1 to 3; the grammar is in docs/macro-language/grammar.md.
 
 mod expression;
 mod statement;

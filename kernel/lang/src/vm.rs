@@ -1,8 +1,8 @@
 //! The machine that runs compiled macros.
 //!
 //! *Invariant:* numeric instructions allocate nothing; every backward jump and call costs ticks, so nothing runs
-//! indefinitely; a fault of severity 8 ends the innermost macro and its caller continues, a used-up budget ends all of them.
-//! Facts: reference macro-language.md 1.4, 1.7, 2, 3.
+//! indefinitely; a fault of severity 8 ends the innermost macro and its caller continues, a used-up budget ends all of
+//! them. Facts: reference macro-language.md 1.4, 1.7, 2, 3.
 
 mod bodies;
 mod calls;

@@ -1,7 +1,7 @@
 //! Behaviour of a control that its words leave open: answers of the questionnaire that are neither words nor formats.
 //!
-//! Facts: reference control-emulator.md 1.5. Invariant: a machine that says nothing has the habits it would have without
-//! the section.
+//! Facts: reference control-emulator.md 1.5. Invariant: a machine that says nothing has the habits it would have
+//! without the section.
 
 /// Habits of a control.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,8 +52,8 @@ pub struct Habits {
     pub last_of_address: bool,
     /// Angles of arc functions are from 0 to 360 degrees: those of ATAN of two values and negative ones of ASIN.
     pub full_angles: bool,
-    /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
-    /// rest of the block acts.
+    /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and
+    /// the rest of the block acts.
     pub unknown_alarms: bool,
     /// An alarm of the real control stops the channel; otherwise the rest of the block is dropped and the program
     /// continues.

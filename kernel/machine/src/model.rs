@@ -267,7 +267,8 @@ pub struct Positioning {
     pub references: [Option<f64>; 3],
     /// Floating reference point.
     pub floating: Option<f64>,
-    /// How far one-way positioning goes past its end before it comes back; its sign is the direction in which it comes. 0 = not.
+    /// How far one-way positioning goes past its end before it comes back; its sign is the direction in which it comes.
+    /// 0 = not.
     pub one_way: f64,
 }
 

@@ -141,7 +141,8 @@ pub struct CodeRow {
     pub without: Vec<RegisterId>,
     /// Registers whose words the control ignores on a block of this code.
     pub ignores: Vec<RegisterId>,
-    /// All axis words of a block with this code are the code's: those that it does not take are reported and move nothing.
+    /// All axis words of a block with this code are the code's: those that it does not take are reported and move
+    /// nothing.
     pub owns_axes: bool,
     /// The block needs a look as a whole before its codes act: the row is swallowed, or changes the length of the tool.
     pub special: bool,
@@ -232,7 +233,8 @@ pub struct DataRow {
     pub add: f64,
     /// Dimension, for the change of units.
     pub dimension: Dimension,
-    /// Value of one unit of a number without a point, in primary and in secondary units, if such numbers count increments.
+    /// Value of one unit of a number without a point, in primary and in secondary units, if such numbers count
+    /// increments.
     pub increment: Option<[f64; 2]>,
     /// Line where the row is defined.
     pub line: u32,

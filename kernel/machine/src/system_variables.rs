@@ -1,7 +1,7 @@
 //! Numbered system variables of the pre-processor: the meaning of each number, as rows of the machine.
 //!
-//! Facts: reference fanuc-variables-and-alarms.md 1. *Invariant:* a number has one row at most, and finding it takes the same
-//! time for all numbers up to 20,000; above them the rows are few and searched by halves.
+//! Facts: reference fanuc-variables-and-alarms.md 1. *Invariant:* a number has one row at most, and finding it takes
+//! the same time for all numbers up to 20,000; above them the rows are few and searched by halves.
 
 use crate::ident::CodeId;
 

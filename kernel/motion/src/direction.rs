@@ -1,8 +1,9 @@
 //! Directions of a tool in space: leaned against a path, and turned along the surface of a cone.
 //!
-//! Facts: programming manual "job planning" of the SINUMERIK 840D, chapters "three, four and five axis transformation" and
-//! "orientation programming along the peripheral surface of a taper". Vectors have the order X, Y, Z and need no length;
-//! results have length 1. Angles are degrees. *Invariant:* all directions of a cone have the same angle to its axis.
+//! Facts: programming manual "job planning" of the SINUMERIK 840D, chapters "three, four and five axis transformation"
+//! and "orientation programming along the peripheral surface of a taper". Vectors have the order X, Y, Z and need no
+//! length; results have length 1. Angles are degrees. *Invariant:* all directions of a cone have the same angle to its
+//! axis.
 
 use nalgebra::Vector3;
 
@@ -30,8 +31,9 @@ fn turned(vector: Vector3<f64>, axis: Vector3<f64>, degrees: f64) -> Vector3<f64
     vector * cosine + axis.cross(&vector) * sine + axis * (axis.dot(&vector) * (1.0 - cosine))
 }
 
-/// A surface normal that is leaned by `lead` towards the path and then turned by `tilt` about the path, right-handed. None if the
-/// normal and the path have no length, or the normal is more than `off` degrees from being perpendicular to the path.
+/// A surface normal that is leaned by `lead` towards the path and then turned by `tilt` about the path, right-handed.
+/// None if the normal and the path have no length, or the normal is more than `off` degrees from being perpendicular to
+/// the path.
 pub fn leaned(normal: [f64; 3], path: [f64; 3], [lead, tilt]: [f64; 2], off: f64) -> Option<[f64; 3]> {
     let (normal, path) = (unit(normal)?, unit(path)?);
     if normal.dot(&path).abs() > libm::sin(off.to_radians()) {
@@ -43,8 +45,8 @@ pub fn leaned(normal: [f64; 3], path: [f64; 3], [lead, tilt]: [f64; 2], off: f64
 }
 
 impl Cone {
-    /// About an axis, clockwise or counter-clockwise as one looks against it; without an end, or with the start as the end, once round. None if
-    /// the ends do not have the same angle to the axis, or the start lies on it.
+    /// About an axis, clockwise or counter-clockwise as one looks against it; without an end, or with the start as the
+    /// end, once round. None if the ends do not have the same angle to the axis, or the start lies on it.
     pub fn about(axis: [f64; 3], start: [f64; 3], end: Option<[f64; 3]>, clockwise: bool) -> Option<Self> {
         let (axis, start) = (unit(axis)?, unit(start)?);
         let end = end.map_or(Some(start), unit)?;

@@ -1,8 +1,8 @@
 //! Letters of engravings: single strokes of straight lines, in a fixed width.
 //!
-//! No source has the letters of a control; these are ours. A capital is as high as 1, a letter is as wide as [`WIDTH`]; letters stand on
-//! the line of Y 0, and g, j, p, q, y, commas and the underscore go below it. *Invariant:* every printable ASCII character has its strokes,
-//! a blank has none.
+//! No source has the letters of a control; these are ours. A capital is as high as 1, a letter is as wide as [`WIDTH`];
+//! letters stand on the line of Y 0, and g, j, p, q, y, commas and the underscore go below it. *Invariant:* every
+//! printable ASCII character has its strokes, a blank has none.
 
 use crate::contour::element::Spot;
 
@@ -16,7 +16,8 @@ const BELOW: f64 = 2.0;
 /// The first character of the table.
 const FIRST: u8 = b'!';
 
-/// Strokes of `!` to `~`: points of a grid of 5 columns and 10 rows, column and row of each, with blanks between strokes.
+/// Strokes of `!` to `~`: points of a grid of 5 columns and 10 rows, column and row of each, with blanks between
+/// strokes.
 const STROKES: [&str; 94] = [
     "2824 2322",
     "1816 3836",

@@ -1,8 +1,8 @@
 //! Speeds along moves that follow each other without a stop, and the time that each takes.
 //!
-//! A [`Piece`] is one move: its length, the largest speed along it, and the largest speed at the corner before it. A piece is
-//! timed when enough later ones are known ([`LookAhead::new`]), or when the path is known to stop after the last one. Speeds
-//! change at the acceleration of each piece (trapezoids, reference channel-synchronisation.md 3).
+//! A [`Piece`] is one move: its length, the largest speed along it, and the largest speed at the corner before it. A
+//! piece is timed when enough later ones are known ([`LookAhead::new`]), or when the path is known to stop after the
+//! last one. Speeds change at the acceleration of each piece (trapezoids, reference channel-synchronisation.md 3).
 //!
 //! *Invariants:* the path can always stop at the end of the known pieces; a piece never takes less time than at its
 //! largest speed; nothing is allocated once the queue has had its largest length.
@@ -37,8 +37,9 @@ impl Piece {
 
     /// Additional seconds of a change between two speeds because of the jerk.
     ///
-    /// With jerk `j` a change by `d` takes `d/a + a/j` (or `2·√(d/j)` if the acceleration is never reached) in place of `d/a`.
-    /// It is longer by half the sum of both speeds times that difference, which is missing from the way at the higher speed.
+    /// With jerk `j` a change by `d` takes `d/a + a/j` (or `2·√(d/j)` if the acceleration is never reached) in place of
+    /// `d/a`. It is longer by half the sum of both speeds times that difference, which is missing from the way at the
+    /// higher speed.
     fn smoothing(&self, low: f64, high: f64) -> f64 {
         let change = high - low;
         if !self.jerk.is_finite() || !self.acceleration.is_finite() || change <= 0.0 {
@@ -165,7 +166,8 @@ impl LookAhead {
         Some(seconds)
     }
 
-    /// Seconds after the start of the only move at which it has to brake to stop at its end; none if braking takes no time.
+    /// Seconds after the start of the only move at which it has to brake to stop at its end; none if braking takes no
+    /// time.
     #[must_use]
     pub fn brakes_after(&self) -> Option<f64> {
         let last = self.pieces.front().filter(|_| self.pieces.len() == 1)?;
@@ -208,10 +210,11 @@ impl LookAhead {
     }
 }
 
-/// Largest speed at a corner between two unit vectors: a circle of the acceleration that leaves the corner by the deviation.
+/// Largest speed at a corner between two unit vectors: a circle of the acceleration that leaves the corner by the
+/// deviation.
 ///
-/// `v² = a·δ·sin(θ/2) / (1 − sin(θ/2))`, θ the angle between the moves, half a turn where they go straight on (reference
-/// channel-synchronisation.md 3). Infinite on a straight path.
+/// `v² = a·δ·sin(θ/2) / (1 − sin(θ/2))`, θ the angle between the moves, half a turn where they go straight on
+/// (reference channel-synchronisation.md 3). Infinite on a straight path.
 #[must_use]
 pub fn corner_speed(cosine: f64, acceleration: f64, deviation: f64) -> f64 {
     let half = (0.5 * (1.0 + cosine)).clamp(0.0, 1.0).sqrt();
@@ -259,7 +262,8 @@ mod tests {
 
     #[test]
     fn short_moves_are_limited_by_what_is_known() {
-        // 1 mm each: from the start 1 mm reaches √(2·1000·1) = 44.7 mm/s, and from there a stop within 1 mm is possible.
+        // 1 mm each: from the start 1 mm reaches √(2·1000·1) = 44.7 mm/s, and from there a stop within 1 mm is
+        // possible.
         let pieces = [piece(1.0, 100.0, 0.0), piece(1.0, 100.0, f64::INFINITY), piece(1.0, 100.0, f64::INFINITY)];
         let narrow = times(1, &pieces);
         let v = 2000_f64.sqrt();

@@ -1,8 +1,8 @@
 //! Arcs in space: a circle through three points.
 //!
-//! Coordinates are radius values in one unit. *Invariant:* a [`Circle`] that exists has a positive radius and a sweep of
-//! more than nothing and less than a turn, counter-clockwise about its normal. Angles come from `libm`, so that every
-//! machine gives the same bits.
+//! Coordinates are radius values in one unit. *Invariant:* a [`Circle`] that exists has a positive radius and a sweep
+//! of more than nothing and less than a turn, counter-clockwise about its normal. Angles come from `libm`, so that
+//! every machine gives the same bits.
 
 use std::f64::consts::{PI, TAU};
 

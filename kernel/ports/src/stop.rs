@@ -40,8 +40,8 @@ impl Stop {
         self.bits() & END != 0
     }
 
-    /// Lets the threads of the job wait before their next block until [`resume`](Self::resume). The events of the job stay
-    /// the same.
+    /// Lets the threads of the job wait before their next block until [`resume`](Self::resume). The events of the job
+    /// stay the same.
     pub fn suspend(&self) {
         self.0.bits.fetch_or(SUSPENDED, Ordering::Relaxed);
     }

@@ -136,7 +136,8 @@ pub struct Block {
     pub added: Vec<(DataId, f64)>,
     /// Position of the code that acts next, on a kernel with macros.
     pub next: usize,
-    /// Span of the program name in angle brackets that `flags` tell of; one of the unrecognised ones until a call takes it.
+    /// Span of the program name in angle brackets that `flags` tell of; one of the unrecognised ones until a call takes
+    /// it.
     name: (u32, u32),
     /// Sequence number.
     pub sequence: Option<u32>,

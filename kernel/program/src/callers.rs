@@ -1,6 +1,7 @@
 //! Calls and ends of the programs of a machine, as far as their text shows.
 //!
-//! Facts: reference control-emulator.md 5.7. Invariant: nothing is executed; a call whose number is computed is not seen.
+//! Facts: reference control-emulator.md 5.7. Invariant: nothing is executed; a call whose number is computed is not
+//! seen.
 
 use rustc_hash::FxHashSet;
 

@@ -1,8 +1,8 @@
-//! Where a statement starts among words: key words, as opposed to literal texts and unknown words that start with the same
-//! letters.
+//! Where a statement starts among words: key words, as opposed to literal texts and unknown words that start with the
+//! same letters.
 //!
-//! Facts: reference control-emulator.md 5.4 (key words may be cut to two letters). *Invariant:* scanner and compiler ask
-//! the same question, so a line that one of them takes for words is never a statement for the other.
+//! Facts: reference control-emulator.md 5.4 (key words may be cut to two letters). *Invariant:* scanner and compiler
+//! ask the same question, so a line that one of them takes for words is never a statement for the other.
 
 use super::by_first::Literals;
 use super::prefix_registers::{LiteralFirst, stands};

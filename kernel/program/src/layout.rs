@@ -2,8 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 8.1 and channel-synchronisation.md 1.2 (files column). A file per channel, or
 //! several O-programs in one file: programs that another one of the file calls are subprograms, the others are main
-//! programs from left to right; codes of heads or `$n` may divide a file instead (`sections`). Invariant: files are numbered
-//! programs first, then the rest by name, so the same job has the same numbers.
+//! programs from left to right; codes of heads or `$n` may divide a file instead (`sections`). Invariant: files are
+//! numbered programs first, then the rest by name, so the same job has the same numbers.
 
 use std::sync::{Arc, OnceLock};
 
@@ -286,8 +286,8 @@ fn section_name(source: &Source, channel: u16) -> String {
     first.map_or(String::new(), |section| section.name.to_string())
 }
 
-/// The programs of channels in a file that has sections, those that a wish is for: channel and main program, as that channel
-/// sees the file.
+/// The programs of channels in a file that has sections, those that a wish is for: channel and main program, as that
+/// channel sees the file.
 fn in_sections(wish: &Program, source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Range)>> {
     let mut found = channel_mains(source, callers)?;
     if let Some(number) = wish.number {
@@ -327,7 +327,8 @@ fn channel_mains(source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Ra
     (!channels.is_empty()).then(|| channels.into_iter().filter_map(main).collect())
 }
 
-/// A program of a channel ends with the last of its stretches there; that of a head other than the first begins with one.
+/// A program of a channel ends with the last of its stretches there; that of a head other than the first begins with
+/// one.
 fn trimmed(source: &Source, channel: u16, range: Range) -> Range {
     let own = || {
         let overlap = |section: &&Section| section.lines.0 <= range.last && section.lines.1 >= range.first;
@@ -371,8 +372,8 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
                     (None, _) => file.clone(),
                 };
             }
-            // Further programs of a single file stay callable; more files than channels are a mistake, and so are further main
-            // programs of a machine whose channels share a file.
+            // Further programs of a single file stay callable; more files than channels are a mistake, and so are
+            // further main programs of a machine whose channels share a file.
             None if spec.programs.len() == 1 && count == 1 => {}
             None if spec.programs.len() == 1 => {
                 let name = match (candidate.range.number, &candidate.name) {

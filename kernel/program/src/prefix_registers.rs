@@ -2,9 +2,8 @@
 //! than a letter, and texts that look like words.
 //!
 //! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Lines with expressions look for the
-//! same (`dialect`). Invariant: longer texts are tried
-//! first, so that `C1=` is not hidden by a register `C`; only those that begin with the byte in question are tried; a machine
-//! with neither has nothing here.
+//! same (`dialect`). Invariant: longer texts are tried first, so that `C1=` is not hidden by a register `C`; only those
+//! that begin with the byte in question are tried; a machine with neither has nothing here.
 
 use super::by_first::{ByFirst, Literals};
 use counterpoint_machine::Machine;

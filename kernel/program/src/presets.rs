@@ -1,8 +1,8 @@
 //! Data of the part that a divided file carries: values of common variables that hold when its programs begin.
 //!
-//! Facts: reference channel-synchronisation.md 1.6 (`$0`). Decision: lines `#814=0000002500` of sections `$0`; a value without a
-//! decimal point counts least increments, 0.001 mm or 0.0001 inch. *Invariant:* only variables that all channels share; of
-//! several values of one variable the last one holds.
+//! Facts: reference channel-synchronisation.md 1.6 (`$0`). Decision: lines `#814=0000002500` of sections `$0`; a value
+//! without a decimal point counts least increments, 0.001 mm or 0.0001 inch. *Invariant:* only variables that all
+//! channels share; of several values of one variable the last one holds.
 
 use counterpoint_event::Unit;
 use counterpoint_machine::model::Machine;

@@ -1,8 +1,8 @@
-//! Who reads the texts of a job's programs: the machine, or, where the components of a composite have different pre-processors,
-//! the first component with each of them.
+//! Who reads the texts of a job's programs: the machine, or, where the components of a composite have different
+//! pre-processors, the first component with each of them.
 //!
-//! Decision: a program file is read by the component with which its channel begins. *Invariant:* the readers are in the order of
-//! [`Machine::readers`].
+//! Decision: a program file is read by the component with which its channel begins. *Invariant:* the readers are in the
+//! order of [`Machine::readers`].
 
 use std::sync::Arc;
 
@@ -51,8 +51,8 @@ impl<'a> Readers<'a> {
         place.checked_sub(1).and_then(|place| self.others.get(place)).unwrap_or(&self.first)
     }
 
-    /// Place of the one that reads a program of the job: that of the channel which the program names, else of the next channel
-    /// from the left that no program names.
+    /// Place of the one that reads a program of the job: that of the channel which the program names, else of the next
+    /// channel from the left that no program names.
     pub(super) fn of_program(&self, programs: &[Program], place: usize) -> usize {
         if self.others.is_empty() {
             return 0;

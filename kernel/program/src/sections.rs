@@ -1,12 +1,11 @@
 //! Sections of a file that belong to channels: they alternate, and all sections of one channel are one program.
 //!
-//! Facts: reference channel-synchronisation.md 1.5 (`G13`, `G14`), 1.6 (`$1`, `$2`, `$0` for data of all); control-emulator.md
-//! 1.5 (Output Format #9, HEAD #10), 8.1. Decisions: with codes of heads the main program of the file is divided, text before
-//! the first head belongs to that head, and subprograms after it belong to all channels. With `$n` text before the
-//! first section is
-//! shared, and so is a program that is defined after the end code of a section, up to the next section.
-//! *Invariant:* each line belongs to one section or to all channels; a channel sees the lines of others as empty, so that a
-//! line has one number for all channels.
+//! Facts: reference channel-synchronisation.md 1.5 (`G13`, `G14`), 1.6 (`$1`, `$2`, `$0` for data of all);
+//! control-emulator.md 1.5 (Output Format #9, HEAD #10), 8.1. Decisions: with codes of heads the main program of the
+//! file is divided, text before the first head belongs to that head, and subprograms after it belong to all channels.
+//! With `$n` text before the first section is shared, and so is a program that is defined after the end code of a
+//! section, up to the next section. *Invariant:* each line belongs to one section or to all channels; a channel sees
+//! the lines of others as empty, so that a line has one number for all channels.
 
 use std::sync::Arc;
 

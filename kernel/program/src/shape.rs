@@ -1,5 +1,5 @@
-//! How a machine separates the programs of a text: from a definition (`O2101`, `:2101`, `<NAME>`, `ONAME` on Okuma controls)
-//! to the next one.
+//! How a machine separates the programs of a text: from a definition (`O2101`, `:2101`, `<NAME>`, `ONAME` on Okuma
+//! controls) to the next one.
 //!
 //! Facts: reference control-emulator.md 5.4 (`<name>`), 5.7. Invariant: a shape looks at one line at a time.
 

@@ -1,7 +1,7 @@
 //! A program file: its text, the programs in it and its sequence numbers.
 //!
-//! Invariant: programs and sequence numbers are looked for once, when they are first needed; every line of text after the
-//! rewind-stop belongs to exactly one program.
+//! Invariant: programs and sequence numbers are looked for once, when they are first needed; every line of text after
+//! the rewind-stop belongs to exactly one program.
 
 use std::ops::{Deref, RangeInclusive};
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
@@ -123,7 +123,8 @@ impl Source {
         found
     }
 
-    /// Rules of the tape editor with this number that may change something in the text: found out once, for one tape editor.
+    /// Rules of the tape editor with this number that may change something in the text: found out once, for one tape
+    /// editor.
     #[inline]
     pub(super) fn tape_rules(&self, number: u64, find: impl FnOnce(&[u8]) -> Rules) -> Option<&Rules> {
         let (of, rules) = self.tape.get_or_init(|| (number, find(self.text.bytes())));
@@ -181,7 +182,8 @@ impl Source {
         range.number.is_none() && self.name_at(range.first).is_none()
     }
 
-    /// The file has a word at which systems line up with this label, on a machine with these systems (bit `n − 1` for `n`).
+    /// The file has a word at which systems line up with this label, on a machine with these systems (bit `n − 1` for
+    /// `n`).
     pub fn lines_up(&self, mark: u8, label: u32, all: u32) -> bool {
         let labels = self.labels.get_or_init(|| {
             let mut found = Vec::new();
@@ -234,8 +236,9 @@ impl Deref for Source {
     }
 }
 
-/// Finds the programs of a file. The text before the first definition, after a rewind-stop if there is one, is a program
-/// of its own without a number; blank lines and comments are not text. Without any definition the file is one program.
+/// Finds the programs of a file. The text before the first definition, after a rewind-stop if there is one, is a
+/// program of its own without a number; blank lines and comments are not text. Without any definition the file is one
+/// program.
 fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let mut found: Vec<Range> = Vec::new();
     let last = source.lines();

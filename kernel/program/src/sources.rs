@@ -11,8 +11,8 @@ use super::source::Source;
 /// A file, when it has been loaded; none if it cannot be.
 type Slot = OnceLock<Option<Arc<Source>>>;
 
-/// The files of a job; each is loaded when it is first needed, once for each reader: where components of a composite machine
-/// have different pre-processors, each of them finds other programs in a text.
+/// The files of a job; each is loaded when it is first needed, once for each reader: where components of a composite
+/// machine have different pre-processors, each of them finds other programs in a text.
 #[derive(Debug)]
 pub struct Sources(Vec<Vec<Slot>>);
 

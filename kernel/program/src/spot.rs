@@ -62,7 +62,8 @@ fn closing_brace(line: &[u8], at: usize) -> Option<usize> {
     None
 }
 
-/// Where the blocks of a line with several begin that have text: bytes from 0. One that ends at the line's end is the last.
+/// Where the blocks of a line with several begin that have text: bytes from 0. One that ends at the line's end is the
+/// last.
 pub fn starts<'r>(
     line: &[u8],
     eob: Option<u8>,

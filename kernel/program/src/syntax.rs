@@ -1,8 +1,8 @@
 //! Treatment of program text by the pre-processor of a control, as data: the programs and names in a file, and the
 //! blocks that are not plain words.
 //!
-//! The search for programs and the scanner ask this and know no pre-processor. Facts: reference control-emulator.md 5.4,
-//! 5.7. *Invariant:* nothing here depends on the machine, only on its pre-processor.
+//! The search for programs and the scanner ask this and know no pre-processor. Facts: reference control-emulator.md
+//! 5.4, 5.7. *Invariant:* nothing here depends on the machine, only on its pre-processor.
 
 use super::key_words::KeyWords;
 
@@ -17,11 +17,11 @@ pub struct Syntax {
     pub named_programs: Option<NamedPrograms>,
     /// Words that call by number besides those of the machine's code table.
     pub call_words: &'static [&'static str],
-    /// Key words of the statements that are mixed with words (custom macro). Then a variable or an expression may be the
-    /// value of any word.
+    /// Key words of the statements that are mixed with words (custom macro). Then a variable or an expression may be
+    /// the value of any word.
     pub key_words: Option<KeyWords>,
-    /// Whether a block is more than plain words: a quick look at the text. For pre-processors whose statements are blocks
-    /// of their own.
+    /// Whether a block is more than plain words: a quick look at the text. For pre-processors whose statements are
+    /// blocks of their own.
     pub needs_interpreter: Option<fn(&[u8]) -> bool>,
     /// An unknown name of two letters or more remains one piece of text, with the contents of its brackets.
     pub keeps_names: bool,
@@ -38,8 +38,8 @@ pub struct NamedPrograms {
     pub is_header: fn(&[u8]) -> bool,
     /// A line says that its program is a subprogram.
     pub returns: fn(&[u8]) -> bool,
-    /// The channel of a job archive that the line which defines a program names, and the number of the program there: 0 is the main
-    /// program of the channel, others are data.
+    /// The channel of a job archive that the line which defines a program names, and the number of the program there: 0
+    /// is the main program of the channel, others are data.
     pub in_archive: Option<ReadArchiveHead>,
 }
 

@@ -21,8 +21,8 @@ use counterpoint_ports::control::Stop;
 /// Steps of the searches of all rules on one block.
 const MOST_STEPS: u64 = 2 * STEPS;
 
-/// Longest file in whose text rules are looked for at once, bytes. In a longer one they are looked for by block, since a
-/// program may end long before its text.
+/// Longest file in whose text rules are looked for at once, bytes. In a longer one they are looked for by block, since
+/// a program may end long before its text.
 const LONGEST_FILE: usize = 1 << 20;
 
 /// Numbers of tape editors.

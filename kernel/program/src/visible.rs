@@ -1,8 +1,8 @@
 //! The words of a block, as rules of the tape editor see them.
 //!
 //! Facts: texts, comments and identifiers are units of the languages of all controls; an edit of words changes none of
-//! them. *Invariant:* places in the visible text are places in the block; a place that is not visible has a character that
-//! no program has.
+//! them. *Invariant:* places in the visible text are places in the block; a place that is not visible has a character
+//! that no program has.
 
 use std::borrow::Cow;
 

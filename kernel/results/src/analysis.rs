@@ -4,8 +4,8 @@
 //! Everything is computed from when channels arrived at sync points, when they continued, and who let them continue, as
 //! the summary has it. The work between is fixed; a wait ends when its partner comes, acts or ends. If a channel that
 //! did not have to wait was let through by an act (a flag that was set before), the act counts as made at its arrival,
-//! because the log does not say when it was: slack and savings are never too large for that.
-//! *Invariant:* sync points are in causal order, so one pass backwards finds the latest times, one forwards the new ones.
+//! because the log does not say when it was: slack and savings are never too large for that. *Invariant:* sync points
+//! are in causal order, so one pass backwards finds the latest times, one forwards the new ones.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -32,7 +32,8 @@ pub struct Analysis {
     pub slack: BTreeMap<u16, i64>,
     /// Marks at which, in every pass, all channels had just continued from one sync point that they shared.
     pub redundant: Vec<Arc<str>>,
-    /// Variables whose value only timing decides: the line of each of the two accesses, by channel, in the order of the log.
+    /// Variables whose value only timing decides: the line of each of the two accesses, by channel, in the order of the
+    /// log.
     #[serde(default)]
     pub races: Vec<Race>,
 }
@@ -175,8 +176,8 @@ fn slack(ends: &[(u16, i64)], waits: &[SyncPoint]) -> BTreeMap<u16, i64> {
     slack
 }
 
-/// Marks whose sync points always come for all their channels at the instant at which another one was passed by the same, and
-/// at which nothing happens but the wait.
+/// Marks whose sync points always come for all their channels at the instant at which another one was passed by the
+/// same, and at which nothing happens but the wait.
 fn redundant(waits: &[SyncPoint]) -> Vec<Arc<str>> {
     let mut last: BTreeMap<u16, (usize, i64)> = BTreeMap::new();
     let mut keys: BTreeMap<&Arc<str>, bool> = BTreeMap::new();

@@ -1,5 +1,5 @@
-//! Diagnostics and verdicts: the few events that results need in the order of the whole log, also those of the master in
-//! the stream of a channel.
+//! Diagnostics and verdicts: the few events that results need in the order of the whole log, also those of the master
+//! in the stream of a channel.
 //!
 //! *Invariant:* kept whole; everything else is read off each channel alone ([`super::channel_results`]).
 

@@ -1,7 +1,7 @@
 //! The timeline of a job: the activity of every channel, and the sync points.
 //!
-//! Invariants: bars of a channel ascend and do not overlap; neighbours of one kind are one bar (waits stay apart);
-//! a channel has [`bars::MOST`] bars at most. The open wait of a blocked channel is not a bar: it has no end and shows in
+//! Invariants: bars of a channel ascend and do not overlap; neighbours of one kind are one bar (waits stay apart); a
+//! channel has [`bars::MOST`] bars at most. The open wait of a blocked channel is not a bar: it has no end and shows in
 //! `waits` without a release.
 
 pub mod bars;

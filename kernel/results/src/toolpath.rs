@@ -5,17 +5,17 @@
 //! most; beyond that the path gets coarser, and a path that cannot be thinned ends early and says so.
 //!
 //! As JSON: `{unit, view: "zx" | "xyz", channels: [{channel, name, side, tools, truncated, segments}]}`. `side` is
-//! `lower` for a channel that works from below the turning axis; its coordinates are as programmed nevertheless. A slave
-//! axis moves straight from where its channel was to where the master has brought it, as feed. `tools`
-//! are those that moved, `{tool, name}`. A segment is either
-//! `{kind: rapid | feed | thread, points}` with the coordinates of a polyline one after the other (two or three for
-//! each point, by the view), or `{kind: arc_cw | arc_ccw, points, plane, center, turns}` with start and end in
-//! `points`, the centre by the two axes of `plane`, and full turns in addition. A circle in space, or
-//! one whose plane is not seen, is a polyline with the points where a coordinate turns back. Coordinates are rounded to
-//! 0.0001. Every segment has `tool` (0 before the first one), `file` and `lines`: the line of each of its moves.
+//! `lower` for a channel that works from below the turning axis; its coordinates are as programmed nevertheless. A
+//! slave axis moves straight from where its channel was to where the master has brought it, as feed. `tools` are those
+//! that moved, `{tool, name}`. A segment is either `{kind: rapid | feed | thread, points}` with the coordinates of a
+//! polyline one after the other (two or three for each point, by the view), or `{kind: arc_cw | arc_ccw, points, plane,
+//! center, turns}` with start and end in `points`, the centre by the two axes of `plane`, and full turns in addition. A
+//! circle in space, or one whose plane is not seen, is a polyline with the points where a coordinate turns back.
+//! Coordinates are rounded to 0.0001. Every segment has `tool` (0 before the first one), `file` and `lines`: the line
+//! of each of its moves.
 //!
-//! A channel of a turning view whose live tools turn C or move Y has `face` too: segments with X, Y and Z of the part, X and Y
-//! as radius values with C turned back. A channel that did not come to its end has `stop: {state, file, line}`.
+//! A channel of a turning view whose live tools turn C or move Y has `face` too: segments with X, Y and Z of the part,
+//! X and Y as radius values with C turned back. A channel that did not come to its end has `stop: {state, file, line}`.
 
 mod chords;
 mod face;

@@ -1,7 +1,7 @@
 //! A line of a program as signs see it: in capitals, without comments, texts and its number.
 //!
-//! *Invariant:* nothing of a comment is left. Text in round brackets, in quotes and after a semicolon is dropped; of an argument
-//! list the empty brackets stay, so that `MSG("M6")` is `MSG()`.
+//! *Invariant:* nothing of a comment is left. Text in round brackets, in quotes and after a semicolon is dropped; of an
+//! argument list the empty brackets stay, so that `MSG("M6")` is `MSG()`.
 
 /// A word: its letter and its value as written.
 pub(crate) type Word = (u8, String);

@@ -1,6 +1,7 @@
 //! Decides for which control the programs were written.
 //!
-//! *Invariant:* a mark of one control counts against every control that does not have it, even if no machine has that control.
+//! *Invariant:* a mark of one control counts against every control that does not have it, even if no machine has that
+//! control.
 
 use std::collections::BTreeMap;
 

@@ -188,8 +188,8 @@ fn definition(line: &[u8]) -> Option<u32> {
     (count > 0).then_some(number)
 }
 
-/// Whether a line is the head of a main program in an archive of a Siemens control. In a job archive, whose heads have a channel and a
-/// number, those with the number 0 are (`%_N_1_0_MPF`).
+/// Whether a line is the head of a main program in an archive of a Siemens control. In a job archive, whose heads have
+/// a channel and a number, those with the number 0 are (`%_N_1_0_MPF`).
 fn is_main(line: &[u8]) -> bool {
     let line = line.trim_ascii().to_ascii_uppercase();
     let name = line.strip_prefix(b"%_N_").and_then(|rest| rest.strip_suffix(b"_MPF"));

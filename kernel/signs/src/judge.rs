@@ -1,8 +1,8 @@
 //! Decides for which machine of a control the programs were written.
 //!
-//! Every trait of the machines (milling, turning, five axes) has a weight: that of its signs in the programs. It counts for the
-//! machines that have the trait, and against those that do not.
-//! *Invariant:* a machine is chosen only if all its traits show, or if no other machine has as many channels.
+//! Every trait of the machines (milling, turning, five axes) has a weight: that of its signs in the programs. It counts
+//! for the machines that have the trait, and against those that do not. *Invariant:* a machine is chosen only if all
+//! its traits show, or if no other machine has as many channels.
 
 use std::ops::RangeInclusive;
 
@@ -181,7 +181,8 @@ impl<'c> Judge<'c> {
         self.accept(best, channels, (sole, together.is_empty()))
     }
 
-    /// A sign counts for a machine with its weight there. If it weighs more for another machine, the difference counts against.
+    /// A sign counts for a machine with its weight there. If it weighs more for another machine, the difference counts
+    /// against.
     fn verdict<'j>(&self, machine: &'j Machine<'c>, channels: usize) -> Verdict<'j, 'c> {
         let mut against: Vec<(&'c str, Vec<Shown<'c>>)> = Vec::new();
         for (name, shown) in self.machines.iter().flat_map(|other| &other.traits) {

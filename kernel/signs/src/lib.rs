@@ -1,9 +1,9 @@
 //! Guesses the machine of a job from the text of its programs.
 //!
-//! The signs are data of the machines (`[signs]`, docs/machine-definition.md). A sign weighs for the machines that have it and
-//! against all others, and the answer names the signs, so that a reader can judge the guess.
-//! *Invariant:* comments are never evidence, and no machine is chosen by default: programs without signs, with signs that
-//! disagree, or for a control that no machine has are refused.
+//! The signs are data of the machines (`[signs]`, docs/machine-definition.md). A sign weighs for the machines that have
+//! it and against all others, and the answer names the signs, so that a reader can judge the guess. *Invariant:*
+//! comments are never evidence, and no machine is chosen by default: programs without signs, with signs that disagree,
+//! or for a control that no machine has are refused.
 
 mod block;
 mod controls;

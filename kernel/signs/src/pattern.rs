@@ -1,9 +1,9 @@
 //! The pattern of a sign: a short text that says which words or texts of a program are meant.
 //!
-//! Words of a block: `T M6`, `G50|G92 S !X`, `M100-199`, `F<2`, `T####`, `D.`, `G14 alone`. `!` is a word that the block does not
-//! have, `!!` one that no program has. `line WAITM(*` is a whole line, `has LIMS=` a name in it, `file .mpf` the ending of a file,
-//! `; text` a text after a semicolon, `blocks end with ;` three of them. `&&` joins patterns that must all be found.
-//! *Invariant:* a pattern that exists can match some program.
+//! Words of a block: `T M6`, `G50|G92 S !X`, `M100-199`, `F<2`, `T####`, `D.`, `G14 alone`. `!` is a word that the
+//! block does not have, `!!` one that no program has. `line WAITM(*` is a whole line, `has LIMS=` a name in it, `file
+//! .mpf` the ending of a file, `; text` a text after a semicolon, `blocks end with ;` three of them. `&&` joins
+//! patterns that must all be found. *Invariant:* a pattern that exists can match some program.
 
 use super::block::{Block, Word, bit};
 

@@ -1,7 +1,7 @@
 //! Whether a line is a block of words, as controls without marks of their own write it, or some other text.
 //!
-//! Letters, tables, pictures, and programs of robots and computers also have letters with numbers, but most of their lines are
-//! not blocks. *Invariant:* a block of words or a statement of custom macros is never other text.
+//! Letters, tables, pictures, and programs of robots and computers also have letters with numbers, but most of their
+//! lines are not blocks. *Invariant:* a block of words or a statement of custom macros is never other text.
 
 /// Statements that begin with a name.
 const STATEMENTS: &[&str] = &[

@@ -96,8 +96,9 @@ impl Backlog {
         true
     }
 
-    /// Makes a chunk of the first `count` events that can be shared, and leaves events that may be overwritten, of an old chunk or
-    /// blank. A few events get no more room than they need: at a storm of waits many such chunks may wait for other kernels.
+    /// Makes a chunk of the first `count` events that can be shared, and leaves events that may be overwritten, of an
+    /// old chunk or blank. A few events get no more room than they need: at a storm of waits many such chunks may wait
+    /// for other kernels.
     pub fn share(&mut self, events: &mut Vec<Event>, count: usize) -> Chunk {
         if self.spare.is_empty() && count < events.capacity() / SPARSE {
             let mut chunk = self.small.pop().unwrap_or_default();
@@ -115,7 +116,8 @@ impl Backlog {
         chunk
     }
 
-    /// Takes a chunk back that the log has read. It is used again unless it waits here; one with little room for a few events.
+    /// Takes a chunk back that the log has read. It is used again unless it waits here; one with little room for a few
+    /// events.
     pub fn return_chunk(&mut self, mut chunk: Chunk) {
         if chunk.capacity() >= SLICE {
             if Arc::strong_count(&chunk) == 1 {

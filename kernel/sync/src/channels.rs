@@ -1,7 +1,7 @@
 //! Numbers of channels and their places in the lists of a job.
 //!
-//! Invariant: numbers are names: they need not start at 1 nor follow one another. Lists are dense and in ascending order of
-//! the numbers.
+//! Invariant: numbers are names: they need not start at 1 nor follow one another. Lists are dense and in ascending
+//! order of the numbers.
 
 /// The channels of a job.
 #[derive(Debug, Clone, Default)]

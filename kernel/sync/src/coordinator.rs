@@ -212,9 +212,9 @@ impl Coordinator {
         t <= self.stop_t.load(SeqCst)
     }
 
-    /// No other kernel will do anything before this time, nor has stopped the job before it; the largest time when
-    /// all the others are done. A kernel that is blocked is resumed by this one or by one that is not blocked, so it holds at
-    /// the least of their times.
+    /// No other kernel will do anything before this time, nor has stopped the job before it; the largest time when all
+    /// the others are done. A kernel that is blocked is resumed by this one or by one that is not blocked, so it holds
+    /// at the least of their times.
     pub fn floor(&self, channel: u16) -> i64 {
         let least = || {
             let others = self.slots.iter().zip(self.channels.numbers()).filter(|(_, other)| **other != channel);

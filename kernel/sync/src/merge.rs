@@ -132,8 +132,8 @@ pub enum End {
 }
 
 impl Merger {
-    /// A merger for these channels, each with `room` bytes on the way at most, a feeder for each of them, and a sender for
-    /// messages about streams.
+    /// A merger for these channels, each with `room` bytes on the way at most, a feeder for each of them, and a sender
+    /// for messages about streams.
     pub fn new(channels: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
         let chunk = (CHUNK * size_of::<Event>() + TEXTS) as u64;
         let credit = usize::try_from(room / chunk).unwrap_or(CREDIT).clamp(2, CREDIT);

@@ -1,11 +1,11 @@
 //! The order in which kernels act on shared data: the rules, without threads.
 //!
 //! A kernel asks for an operation with its tag and gets its turn when no other kernel can act before that tag any more.
-//! Operations go in, [`Effect`]s come out: which kernels continue and how far each has come. Nothing here locks, waits or
-//! signals; that is the coordinator's business.
+//! Operations go in, [`Effect`]s come out: which kernels continue and how far each has come. Nothing here locks, waits
+//! or signals; that is the coordinator's business.
 //!
-//! Invariants: operations take their turns in ascending order of their tags; one kernel has the turn at a time; a kernel that
-//! waits is woken once for each wait. Facts: reference channel-synchronisation.md 1.1, 2.3.
+//! Invariants: operations take their turns in ascending order of their tags; one kernel has the turn at a time; a
+//! kernel that waits is woken once for each wait. Facts: reference channel-synchronisation.md 1.1, 2.3.
 
 mod alone;
 pub mod arrive;

@@ -1,4 +1,5 @@
-//! Races: two accesses to one shared variable, at least one of them a write, that no wait, signal or poll puts in order.
+//! Races: two accesses to one shared variable, at least one of them a write, that no wait, signal or poll puts in
+//! order.
 //!
 //! Every channel has a vector clock. Its acts for others (an arrival, a flag, a signal, a release, its end) publish its
 //! clock under the mark; a wait that ends takes over the clocks that its partners have published there. A poll that

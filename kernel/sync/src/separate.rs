@@ -1,7 +1,8 @@
-//! Common variables that each channel has of its own: those that one channel reads in vain while another one writes them.
+//! Common variables that each channel has of its own: those that one channel reads in vain while another one writes
+//! them.
 //!
-//! *Invariant:* a variable is found at most once for a reader. Facts: reference channel-synchronisation.md 1.3 (parameters
-//! 6036 and 6037 of Fanuc controls say how many variables are one set for all paths).
+//! *Invariant:* a variable is found at most once for a reader. Facts: reference channel-synchronisation.md 1.3
+//! (parameters 6036 and 6037 of Fanuc controls say how many variables are one set for all paths).
 
 use std::collections::BTreeMap;
 

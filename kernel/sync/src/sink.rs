@@ -10,12 +10,14 @@ pub type WrittenFiles = Vec<(String, Arc<str>)>;
 
 /// Receives the log of a job.
 pub trait Sink: Send {
-    /// The results that the kernels make, each those of its own channel on its own thread; `None`: no results are requested.
+    /// The results that the kernels make, each those of its own channel on its own thread; `None`: no results are
+    /// requested.
     fn results(&mut self) -> Option<&mut ResultsBuilder> {
         None
     }
 
-    /// Whether the ordered log is requested. Without it nothing is merged, and [`events`](Self::events) is never called.
+    /// Whether the ordered log is requested. Without it nothing is merged, and [`events`](Self::events) is never
+    /// called.
     fn is_logged(&self) -> bool {
         true
     }

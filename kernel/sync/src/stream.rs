@@ -53,8 +53,8 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// Sends the first `count` events of a chunk, with so many bytes of texts; no later event is before `upto`. The chunk may
-    /// be replaced by another one of any length, whose events are overwritten.
+    /// Sends the first `count` events of a chunk, with so many bytes of texts; no later event is before `upto`. The
+    /// chunk may be replaced by another one of any length, whose events are overwritten.
     pub fn send(&mut self, chunk: &mut Vec<Event>, (count, texts): (usize, usize), upto: Tag, coordinator: Port<'_>) {
         let events = chunk.get(..count).unwrap_or_default();
         if let Some(Log::Only { merger, sink }) = &mut self.log
@@ -96,8 +96,8 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// Does a little of the work that was put off; `false` when there is none. `look`: the other kernels may have come so
-    /// far that there is more.
+    /// Does a little of the work that was put off; `false` when there is none. `look`: the other kernels may have come
+    /// so far that there is more.
     pub fn work(&mut self, look: bool, (channel, coordinator): (u16, Port<'_>)) -> bool {
         if look {
             self.backlog.look(coordinator.floor(channel));

@@ -182,7 +182,8 @@ pub enum Style {
     LineUp,
     /// A statement with key words in brackets: `#WAIT [ID7 CH1 CH2]`.
     Keys,
-    /// A word with the numbers of two axes, 15 bits each, of which the first may be missing: `G51.4 P102 Q202`, `G50.4 Q202`.
+    /// A word with the numbers of two axes, 15 bits each, of which the first may be missing: `G51.4 P102 Q202`, `G50.4
+    /// Q202`.
     Axes,
 }
 

@@ -1,8 +1,8 @@
 //! All waits of a job: the waiting channels, those that continue, and those that never can.
 //!
-//! *Invariant:* arrivals, acts and ends come in tag order, so the outcome depends on simulated time alone. All waits that an
-//! operation ends are found before anything that they use up is taken away. Facts: reference channel-synchronisation.md 1.1,
-//! 1.4 (two phases), 2.3 (fix-point).
+//! *Invariant:* arrivals, acts and ends come in tag order, so the outcome depends on simulated time alone. All waits
+//! that an operation ends are found before anything that they use up is taken away. Facts: reference
+//! channel-synchronisation.md 1.1, 1.4 (two phases), 2.3 (fix-point).
 
 #[cfg(test)]
 mod search;

@@ -144,8 +144,8 @@ impl Fair {
         Err(receive)
     }
 
-    /// Waits for the turn of a short call, and says so with `waits`. `None` never comes up: a call that waits has others of
-    /// its identity in hand before it.
+    /// Waits for the turn of a short call, and says so with `waits`. `None` never comes up: a call that waits has
+    /// others of its identity in hand before it.
     pub(crate) async fn turn(&self, identity: &Arc<Identity>, waits: impl FnOnce()) -> Option<Turn> {
         match self.ask(identity, Instant::now()) {
             Ok(turn) => Some(turn),

@@ -1,7 +1,7 @@
 //! Makes single events readable: a log is written in large pieces, and a watcher may wait for the last few.
 //!
-//! Invariant: an event of a watched job is readable [`DELAY`] after it was appended, regardless of later events; a kernel
-//! never waits for that.
+//! Invariant: an event of a watched job is readable [`DELAY`] after it was appended, regardless of later events; a
+//! kernel never waits for that.
 
 use std::io;
 use std::sync::mpsc::{Receiver, Sender, channel};

@@ -146,7 +146,8 @@ impl Live {
         lock(&self.run).clone()
     }
 
-    /// Forgets a run that the host failed or a pause has stopped; the job will be run again, and watchers stay at their cursors.
+    /// Forgets a run that the host failed or a pause has stopped; the job will be run again, and watchers stay at their
+    /// cursors.
     pub(crate) fn forget_run(&self) {
         drop(self.end_log());
         self.tail().begin_again();

@@ -1,4 +1,5 @@
-//! The console of a job: commands of the client that steps through it, on their way to the run, and the answers of the run.
+//! The console of a job: commands of the client that steps through it, on their way to the run, and the answers of the
+//! run.
 //!
 //! Invariants: one client at a time; a run that is paused without a command for longer than the server's waiting time
 //! continues by itself. Unread messages of a client hold back its next commands, so nothing here grows.

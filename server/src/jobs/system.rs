@@ -40,8 +40,8 @@ impl Shell {
 
     fn try_run(&self, call: &Call<'_>, cancelled: &dyn Fn() -> bool) -> io::Result<Answer> {
         let place = tempfile::Builder::new().prefix("system-").tempdir_in(&self.folder)?;
-        // The shell starts elsewhere, so relative names of the data folder would not do. Not the canonical path: the shell
-        // of Windows cannot start in one.
+        // The shell starts elsewhere, so relative names of the data folder would not do. Not the canonical path: the
+        // shell of Windows cannot start in one.
         let root = std::path::absolute(place.path())?;
         let (job, storage, said) = (root.join("job"), root.join("storage"), root.join("output"));
         lay_out(&job, &call.files)?;

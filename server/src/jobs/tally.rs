@@ -1,7 +1,7 @@
 //! Lines of the log about jobs that are accepted and that end: one for all of a second.
 //!
-//! *Invariant:* every job is counted in exactly one line for its acceptance and one for its end; with DEBUG each has lines of
-//! its own besides.
+//! *Invariant:* every job is counted in exactly one line for its acceptance and one for its end; with DEBUG each has
+//! lines of its own besides.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};

@@ -1,8 +1,8 @@
 //! Jobs on worker threads.
 //!
-//! Invariant: after every run, even a failed one, the place is returned and the server continues. The job gets an end state,
-//! unless the host has failed the run (disk, descriptors, threads): then the run is dropped and the job waits for
-//! another.
+//! Invariant: after every run, even a failed one, the place is returned and the server continues. The job gets an end
+//! state, unless the host has failed the run (disk, descriptors, threads): then the run is dropped and the job waits
+//! for another.
 
 use std::any::Any;
 use std::io;

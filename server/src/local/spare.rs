@@ -1,4 +1,5 @@
-//! Files that can be made again and are not worth an fsync: a head with length and checksum tells whether they are whole.
+//! Files that can be made again and are not worth an fsync: a head with length and checksum tells whether they are
+//! whole.
 //!
 //! Invariant: a file is read whole or not at all. One without such a head is from an earlier version, which synced it.
 

@@ -1,5 +1,5 @@
-//! Event logs: one append-only file per job, in wire encoding. The file of a small log is a row of the ledger; that of a
-//! large one is compressed when its run is over (`segments`).
+//! Event logs: one append-only file per job, in wire encoding. The file of a small log is a row of the ledger; that of
+//! a large one is compressed when its run is over (`segments`).
 //!
 //! File: a head (magic, then the job's description), then records. A record is 24 bytes of frame (length, CRC-32, first
 //! and last sequence number, little-endian) and one encoded `EventBatch`. Batches end at 256 events or 32 KiB: never a

@@ -1,10 +1,10 @@
 //! The compressed form of a log that has ended.
 //!
 //! File: magic, then segments, then an entry for each segment, then their number and the magic again. A segment is a
-//! part of the plain file, cut between records and compressed by LZ4 (or as it is where that would not make it smaller);
-//! the first one is the head. An entry is 40 bytes, little-endian: where the segment begins in the plain file and in this
-//! one, its first event, its length plain and here, its CRC-32, and the CRC-32 of the entry. Invariant: read, it is the
-//! plain file, byte for byte; one segment and one entry are in memory.
+//! part of the plain file, cut between records and compressed by LZ4 (or as it is where that would not make it
+//! smaller); the first one is the head. An entry is 40 bytes, little-endian: where the segment begins in the plain file
+//! and in this one, its first event, its length plain and here, its CRC-32, and the CRC-32 of the entry. Invariant:
+//! read, it is the plain file, byte for byte; one segment and one entry are in memory.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};

@@ -1,7 +1,7 @@
 //! When a call may go on: at once, when it is its turn, or not at all.
 //!
-//! *Invariant:* a call that waits holds a timer and its own request, no thread and no lock; it ends at once when the client
-//! gives it up or the server drains.
+//! *Invariant:* a call that waits holds a timer and its own request, no thread and no lock; it ends at once when the
+//! client gives it up or the server drains.
 
 use std::future::Future;
 use std::time::Duration;

@@ -94,8 +94,8 @@ group! {
         max_uploads_per_connection: usize = 32, "COUNTERPOINT_MAX_UPLOADS_PER_CONNECTION", "N";
         /// Address on which monitoring gets /metrics, /livez and /readyz over HTTP, without an identity; empty = none
         metrics: String = String::new(), "COUNTERPOINT_METRICS", "ADDRESS";
-        /// Collector that gets a span of each job by OTLP over gRPC, such as http://127.0.0.1:4317; empty = none. Takes a
-        /// server built with the feature otlp
+        /// Collector that gets a span of each job by OTLP over gRPC, such as http://127.0.0.1:4317; empty = none. Takes
+        /// a server built with the feature otlp
         otlp: String = String::new(), "COUNTERPOINT_OTLP", "URL";
     }
 }
@@ -169,8 +169,8 @@ group! {
         allow_system: bool = false, "COUNTERPOINT_ALLOW_SYSTEM", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
         /// Seconds after which such a command is ended
         system_wait_s: u64 = 60, "COUNTERPOINT_SYSTEM_WAIT_S", "SECONDS";
-        /// Seconds that a dialog of an attended job waits for the operator before it fails, and that a job that is stepped
-        /// through stands without a command before it runs on
+        /// Seconds that a dialog of an attended job waits for the operator before it fails, and that a job that is
+        /// stepped through stands without a command before it runs on
         operator_wait_s: u64 = 600, "COUNTERPOINT_OPERATOR_WAIT_S", "SECONDS";
     }
 }

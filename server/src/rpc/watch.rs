@@ -316,8 +316,8 @@ fn most(kept_pace: u32) -> usize {
     FIRST_PULL.saturating_mul(1 << kept_pace.saturating_sub(PACE - 1).min(16)).min(PULL)
 }
 
-/// Reads so many bytes of batches. For a client that may be slow, none of them holds more of the log than itself, and the
-/// reader holds next to nothing.
+/// Reads so many bytes of batches. For a client that may be slow, none of them holds more of the log than itself, and
+/// the reader holds next to nothing.
 fn pull(mut reader: Reader, most: usize, slow: bool) -> Result<(Reader, Vec<Batch>), Refusal> {
     let (mut batches, mut bytes) = (Vec::new(), 0);
     while bytes < most {

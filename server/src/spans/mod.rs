@@ -1,4 +1,5 @@
-//! Spans of jobs for a collector of traces, by OTLP over gRPC; part of the server if it is built with the feature `otlp`.
+//! Spans of jobs for a collector of traces, by OTLP over gRPC; part of the server if it is built with the feature
+//! `otlp`.
 //!
 //! *Invariant:* no job waits for the collector: a span that it does not take in time is dropped and counted.
 

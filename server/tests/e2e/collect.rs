@@ -270,8 +270,8 @@ async fn until_own(caller: &As, expected: &[&String]) {
     panic!("{:?} is not {expected:?}", caller.list().await);
 }
 
-/// A tenant beyond its bytes loses its own jobs that ended first, regardless of the order of acceptance; a job that runs or
-/// waits stays, those of others stay, and a restart changes nothing of that.
+/// A tenant beyond its bytes loses its own jobs that ended first, regardless of the order of acceptance; a job that
+/// runs or waits stays, those of others stay, and a restart changes nothing of that.
 #[tokio::test]
 async fn a_tenant_beyond_its_bytes_loses_its_own_jobs_that_ended_first_also_after_a_restart() {
     const MACHINE: &str = "fanuc-2path-lathe";

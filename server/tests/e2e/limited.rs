@@ -185,8 +185,8 @@ async fn calls_that_wait_end_with_the_drain() {
     }
 }
 
-/// The ledger takes all operations that wait into its next commit: how many commits it needs says how many calls were in
-/// hand at once.
+/// The ledger takes all operations that wait into its next commit: how many commits it needs says how many calls were
+/// in hand at once.
 #[tokio::test]
 async fn a_flood_of_submits_has_few_calls_in_hand_while_another_identity_calls() {
     const FLOOD: usize = 24;

@@ -1,5 +1,6 @@
-//! How many tiny jobs end and how many stored events are watched in a second, and how old live events are. Run by hand, in release, on a quiet machine:
-//! `cargo test --release -p counterpoint-server --test e2e rate -- --ignored --nocapture`.
+//! How many tiny jobs end and how many stored events are watched in a second, and how old live events are. Run by hand,
+//! in release, on a quiet machine: `cargo test --release -p counterpoint-server --test e2e rate -- --ignored
+//! --nocapture`.
 
 #![allow(clippy::print_stdout)]
 

@@ -65,7 +65,8 @@ async fn the_end_of_a_tiny_job_costs_one_commit_that_it_shares() {
     server.stop().await;
 }
 
-/// Its log, its folder and the folder of all jobs, which those that end at the same time share; results can be made again.
+/// Its log, its folder and the folder of all jobs, which those that end at the same time share; results can be made
+/// again.
 #[tokio::test]
 async fn the_end_of_a_large_job_costs_two_syncs_of_its_own() {
     let (folder, disk) = (tempfile::tempdir().unwrap(), Arc::new(Counting::default()));

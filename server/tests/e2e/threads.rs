@@ -22,8 +22,8 @@ const PROGRAMS: [(&str, &str); 2] = [
     ("c2.nc", "%\nO2\nG0 X50. Z5.\nM101\nG1 Z-20. F0.3\nM102\nG1 Z-40.\nG0 X60.\nM30\n%\n"),
 ];
 
-/// Set in the flags of a thread from the moment at which it ends (`PF_EXITING` of Linux): a thread that joins it continues
-/// before it leaves the table of processes.
+/// Set in the flags of a thread from the moment at which it ends (`PF_EXITING` of Linux): a thread that joins it
+/// continues before it leaves the table of processes.
 const EXITING: u64 = 4;
 
 /// Threads of a server that run jobs.

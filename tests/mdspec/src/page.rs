@@ -116,7 +116,8 @@ impl Page {
     /// Reads a page from its file.
     ///
     /// # Errors
-    /// When the file cannot be read, or when it has a fence that is unknown, indented, not closed, or without a program.
+    /// When the file cannot be read, or when it has a fence that is unknown, indented, not closed, or without a
+    /// program.
     pub fn read(path: &Path, fences: Fences) -> Result<Self, Fault> {
         let text = std::fs::read_to_string(path).map_err(|error| Fault { line: 0, text: error.to_string() })?;
         Self::parse(path, &text, fences)

@@ -1,8 +1,8 @@
-//! Observing changes nothing: an example that is traced, stepped through or stopped at breakpoints has the same log, the same
-//! files and the same results.
+//! Observing changes nothing: an example that is traced, stepped through or stopped at breakpoints has the same log,
+//! the same files and the same results.
 //!
-//! *Invariant:* which ways of observing an example takes in the usual run depends on its name only, so that a failure comes
-//! again; together the examples of the pages take all of them. `OBSERVE=all` makes every example take every way.
+//! *Invariant:* which ways of observing an example takes in the usual run depends on its name only, so that a failure
+//! comes again; together the examples of the pages take all of them. `OBSERVE=all` makes every example take every way.
 
 use std::fmt::Write as _;
 use std::sync::Arc;

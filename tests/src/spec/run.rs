@@ -1,4 +1,5 @@
-//! Runs an example: with one thread, with many and shared operations out of step, and with results only; all must agree.
+//! Runs an example: with one thread, with many and shared operations out of step, and with results only; all must
+//! agree.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -49,8 +50,8 @@ pub fn check(example: &Example, check: &mut Check<'_>) {
     compare(example, &case, &done, check);
 }
 
-/// A program that runs without an error is not refused when it is judged without a run. Waits may depend on macros of the machine, which
-/// are not executed then.
+/// A program that runs without an error is not refused when it is judged without a run. Waits may depend on macros of
+/// the machine, which are not executed then.
 fn judge(example: &Example, case: &Case, done: &Done, check: &mut Check<'_>) {
     const ERROR: u8 = 8;
     if done.summary.state != State::Succeeded || done.summary.highest_severity >= ERROR {

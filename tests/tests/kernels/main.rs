@@ -1,7 +1,7 @@
 //! Random programs of two to five channels that meet in every way: waits of each primitive, variables, polls, loops,
-//! subprograms, spindles, alarms, and macros with a variable and a file of all channels. Scheduling, the number of threads
-//! and the lack of a log change no byte of any result, and times and ends are those of a model that shares nothing
-//! with the kernel.
+//! subprograms, spindles, alarms, and macros with a variable and a file of all channels. Scheduling, the number of
+//! threads and the lack of a log change no byte of any result, and times and ends are those of a model that shares
+//! nothing with the kernel.
 
 mod machine;
 mod model;

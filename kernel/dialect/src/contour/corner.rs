@@ -73,7 +73,8 @@ mod tests {
 
     #[test]
     fn a_rounding_between_a_line_and_an_arc() {
-        // From the line along X onto the circle of radius 10 about 20, 0: the centre is 2 above the line and 12 from 20, 0.
+        // From the line along X onto the circle of radius 10 about 20, 0: the centre is 2 above the line and 12 from
+        // 20, 0.
         let second = arc([10.0, 0.0], [20.0, 10.0], [20.0, 0.0], true);
         let made = corner(line([0.0, 0.0], [10.0, 0.0]), second, false, 2.0).unwrap();
         let way = 20.0 - 140.0_f64.sqrt();

@@ -93,8 +93,8 @@ pub(crate) struct Arc {
     pub(crate) clockwise: bool,
 }
 
-/// A way from a point of the tool centre to a contour, which begins at a point with a direction; none if the size does not
-/// fit.
+/// A way from a point of the tool centre to a contour, which begins at a point with a direction; none if the size does
+/// not fit.
 pub(crate) fn approach(way: PathShape, from: Point, (to, heading): (Point, Point), side: Side) -> Option<Approach> {
     if side.size == 0.0 {
         return None;
@@ -118,7 +118,8 @@ pub(crate) fn approach(way: PathShape, from: Point, (to, heading): (Point, Point
     Some(Approach { begin, arc: Some(arc), begins_plain: false, heading })
 }
 
-/// A way from a contour. Points that follow an arc with compensation are those of the contour, others of the tool centre.
+/// A way from a contour. Points that follow an arc with compensation are those of the contour, others of the tool
+/// centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Departure {
     Line { to: Point, heading: Point },
@@ -126,8 +127,8 @@ pub(crate) enum Departure {
     ArcAndLine { leave: Point, arc: Arc, to: Point },
 }
 
-/// A way from the end of a contour and its direction there; only one on a line and a circle goes to `goal`. None if that is
-/// inside the circle, or if the tool is larger than a circle on the other side.
+/// A way from the end of a contour and its direction there; only one on a line and a circle goes to `goal`. None if
+/// that is inside the circle, or if the tool is larger than a circle on the other side.
 pub(crate) fn depart(way: PathShape, (from, heading): (Point, Point), goal: Point, side: Side) -> Option<Departure> {
     let across = side.of(heading);
     Some(match way {

@@ -153,7 +153,8 @@ impl Places {
     }
 }
 
-/// Register that defines the number format of an argument: that of its letter, or of the axis that the letter continues.
+/// Register that defines the number format of an argument: that of its letter, or of the axis that the letter
+/// continues.
 fn reads_like(host: &dyn Host, letter: u8) -> Option<RegisterId> {
     let axis = match letter {
         b'U'..=b'W' => letter - b'U' + b'X',

@@ -1,7 +1,7 @@
 //! Statements: assignments, branches, loops, printing, and words with expressions.
 //!
-//! Facts: reference control-emulator.md 5.4, fanuc-variables-and-alarms.md 2.5. *Invariant:* a loop is repeated only by a
-//! program that came in through its start.
+//! Facts: reference control-emulator.md 5.4, fanuc-variables-and-alarms.md 2.5. *Invariant:* a loop is repeated only by
+//! a program that came in through its start.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};

@@ -53,8 +53,8 @@ struct Fanuc {
 }
 
 impl Fanuc {
-    /// The compiled form of the block, kept once the program has jumped back or called. `displays` shows its messages: on
-    /// every pass, but once for a block that is read twice.
+    /// The compiled form of the block, kept once the program has jumped back or called. `displays` shows its messages:
+    /// on every pass, but once for a block that is read twice.
     #[inline]
     fn line(&mut self, host: &mut dyn Host, text: &[u8], displays: bool) -> Result<Arc<Line>, Halt> {
         if let Some(line) = host.unchanged_line().and_then(|line| self.lines.get(line).map(Arc::clone)) {

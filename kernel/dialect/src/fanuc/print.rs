@@ -1,7 +1,7 @@
 //! Printing statements: their output, from the text of a line, and the format of numbers in it.
 //!
-//! Facts: reference fanuc-variables-and-alarms.md 2.5. Decisions: blanks are not text; a number with more whole digits than
-//! its format takes the room it needs.
+//! Facts: reference fanuc-variables-and-alarms.md 2.5. Decisions: blanks are not text; a number with more whole digits
+//! than its format takes the room it needs.
 
 use super::cursor::{Error, Parser};
 use super::expr::{is_vacant, to_step};

@@ -1,8 +1,8 @@
 //! The path blocks after a path block that its end depends on.
 //!
 //! Facts: programming manuals of the control (corners and approaches are computed with the next element). Decisions:
-//! blocks without motion may come between a line and its corner; after a corner the look ahead follows assignments and jumps, and
-//! ends at a call. Invariant: a look ahead leaves the parameters as they were.
+//! blocks without motion may come between a line and its corner; after a corner the look ahead follows assignments and
+//! jumps, and ends at a call. Invariant: a look ahead leaves the parameters as they were.
 
 use super::eval::Evaluator;
 use super::formula::Name;

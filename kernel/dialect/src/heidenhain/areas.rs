@@ -147,8 +147,8 @@ fn is_plain(figures: &[Figure]) -> bool {
     })
 }
 
-/// An area down to a level, above which it is that of the stage before; the level as a depth below the surface, none for that of the
-/// cycle.
+/// An area down to a level, above which it is that of the stage before; the level as a depth below the surface, none
+/// for that of the cycle.
 pub(super) struct Stage {
     pub(super) depth: Option<f64>,
     pub(super) figures: Vec<Figure>,

@@ -1,7 +1,7 @@
 //! Auxiliary points of free contours: P1X, P1Y to P3X, P3Y, through which a line or a circle goes.
 //!
-//! Facts: programming manuals of the control. *Invariant:* a point is one of the plane only with both coordinates, and never the end
-//! of an element.
+//! Facts: programming manuals of the control. *Invariant:* a point is one of the plane only with both coordinates, and
+//! never the end of an element.
 
 use super::path::{AXES, Step};
 use super::words::{Operand, Word};

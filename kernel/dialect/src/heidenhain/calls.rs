@@ -1,7 +1,8 @@
 //! Calls of cycles: CYCL CALL, CYCL CALL POS, M99, M89, and the cycle that runs.
 //!
-//! Facts: programming manuals of the control (POS leads to its position first; M89 calls at every position up to M99; a feed of the
-//! call is that of its way). Invariant: parameters that a call has changed have their values again when the cycle is over.
+//! Facts: programming manuals of the control (POS leads to its position first; M89 calls at every position up to M99; a
+//! feed of the call is that of its way). Invariant: parameters that a call has changed have their values again when the
+//! cycle is over.
 
 use counterpoint_fault::Halt;
 
@@ -134,8 +135,9 @@ impl Heidenhain {
         self.number(SECOND_CLEARANCE)
     }
 
-    /// Blocks that lead to the position of CYCL CALL POS, and the surface there, which its word of the tool axis moves: from
-    /// above first in the plane, from below first up to the clearance. The feed of the block is that of the way alone.
+    /// Blocks that lead to the position of CYCL CALL POS, and the surface there, which its word of the tool axis moves:
+    /// from above first in the plane, from below first up to the clearance. The feed of the block is that of the way
+    /// alone.
     fn approach(&mut self, host: &mut dyn Host, seen: Vec<Seen>) -> (Vec<String>, f64) {
         let along = self.variables.control.tool_axis.unwrap_or(2);
         let is_height = |word: &Seen| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| at == along);

@@ -211,8 +211,8 @@ impl Heidenhain {
         Ok(())
     }
 
-    /// Units are codes of the machine. A program that is called may have another one, until it returns; cycles of the control count
-    /// as the program that calls them.
+    /// Units are codes of the machine. A program that is called may have another one, until it returns; cycles of the
+    /// control count as the program that calls them.
     fn begin_program(
         &mut self,
         host: &mut dyn Host,

@@ -1,4 +1,5 @@
-//! Elements of free contours with several solutions: parallels, points beside a line, an arc between two circles; FSELECT.
+//! Elements of free contours with several solutions: parallels, points beside a line, an arc between two circles;
+//! FSELECT.
 //!
 //! Facts: programming manuals of the control (PAR and DP: a line parallel to that of another block, and its distance;
 //! PDX, PDY and D: a point beside a line, and its distance; FSELECT after the blocks that leave a choice selects one of
@@ -152,7 +153,8 @@ impl Walk<'_> {
         (apart.abs() <= 1.0).then(|| along(along(center, way, -own * apart), left(way), -own * rest))
     }
 
-    /// The arc of a radius that follows, between the element and the one behind it, which is tangential or a line: its radius and sense.
+    /// The arc of a radius that follows, between the element and the one behind it, which is tangential or a line: its
+    /// radius and sense.
     fn arc_between(&self) -> Option<(f64, bool, &Step)> {
         let (arc, behind) = (self.ahead.first()?, self.ahead.get(1)?);
         let is_arc = arc.shape == Shape::FreeArc { tangent: true };
@@ -179,8 +181,8 @@ impl Walk<'_> {
         found().unwrap_or_default()
     }
 
-    /// Where a circle leaves for an arc of a radius that leads to another circle, to the right of the line between the centres first, or to
-    /// a line, where it comes to that first.
+    /// Where a circle leaves for an arc of a radius that leads to another circle, to the right of the line between the
+    /// centres first, or to a line, where it comes to that first.
     pub(super) fn leaves_for_arc(&self, (center, radius, clockwise): (Point, f64, bool)) -> Vec<Point> {
         let found = || {
             let (between, own, behind) = self.arc_between()?;

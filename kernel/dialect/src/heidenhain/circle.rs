@@ -173,7 +173,8 @@ impl Walk<'_> {
         joined("CC", &words)
     }
 
-    /// The pole that words define. Without a word it stays where it was along that axis; without any it is where the tool is.
+    /// The pole that words define. Without a word it stays where it was along that axis; without any it is where the
+    /// tool is.
     pub(super) fn pole_of(&self, seen: &[Seen], start: &Position) -> Option<Point> {
         let here = self.flat(start);
         let new = self.flat(&self.target_of(seen, start));

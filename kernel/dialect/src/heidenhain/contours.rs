@@ -1,10 +1,11 @@
 //! SL cycles: subprograms that are contours, and the requests of the cycle programs.
 //!
-//! `SL READ` records the contours that cycle 14 names, each with its side; `SL ROUGH`, `SL FLOOR`, `SL SIDE`, `SL PILOT` and
-//! `SL TRAIN` leave the blocks of a cycle, with OLD those of cycles 6, 15 and 16, with OCM those of 272 to 274; `SL SLOT` those of 275, `SL TRAIN 276` those of 276,
-//! `SL ROUND` those on a cylinder, `SL ENGRAVE` those of 225. Facts: programming manuals of the control (the side of the compensation and the sense of
-//! the contour tell pockets from islands; words of the tool axis do not count). Decision: a contour without compensation is a
-//! pocket. *Invariant:* only programs stored with the machine have these statements.
+//! `SL READ` records the contours that cycle 14 names, each with its side; `SL ROUGH`, `SL FLOOR`, `SL SIDE`, `SL
+//! PILOT` and `SL TRAIN` leave the blocks of a cycle, with OLD those of cycles 6, 15 and 16, with OCM those of 272 to
+//! 274; `SL SLOT` those of 275, `SL TRAIN 276` those of 276, `SL ROUND` those on a cylinder, `SL ENGRAVE` those of 225.
+//! Facts: programming manuals of the control (the side of the compensation and the sense of the contour tell pockets
+//! from islands; words of the tool axis do not count). Decision: a contour without compensation is a pocket.
+//! *Invariant:* only programs stored with the machine have these statements.
 
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;

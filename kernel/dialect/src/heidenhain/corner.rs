@@ -1,9 +1,10 @@
 //! Corners, and ways to and from a contour.
 //!
-//! Facts: programming manuals of the control (CHF, RND, APPR, DEP; G24, G25). Decisions: corners are made between lines and
-//! circles whose blocks say where they end, before G2 and G3 of ISO programs only between lines; a way to the contour takes the direction of the path block after it; radius compensation begins on
-//! the first line of an approach and ends on the last line of a departure, after an arc on the next straight line.
-//! Invariant: a corner that cannot be made is left sharp and reported.
+//! Facts: programming manuals of the control (CHF, RND, APPR, DEP; G24, G25). Decisions: corners are made between lines
+//! and circles whose blocks say where they end, before G2 and G3 of ISO programs only between lines; a way to the
+//! contour takes the direction of the path block after it; radius compensation begins on the first line of an approach
+//! and ends on the last line of a departure, after an arc on the next straight line. Invariant: a corner that cannot be
+//! made is left sharp and reported.
 
 use super::path::{Corner, Position, Shape, Walk, axis};
 use super::words::Seen;
@@ -138,8 +139,8 @@ impl Walk<'_> {
         self.step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
     }
 
-    /// Length or radius of a way, the side on which the tool goes, and its distance from the contour. Without compensation
-    /// the tool centre goes on the contour, on the left for a positive value.
+    /// Length or radius of a way, the side on which the tool goes, and its distance from the contour. Without
+    /// compensation the tool centre goes on the contour, on the left for a positive value.
     fn side(&self, way: PathShape) -> Side {
         let angle = self.word("CCA").unwrap_or(90.0).abs();
         let is_straight = matches!(way, PathShape::Straight | PathShape::Normal);

@@ -62,7 +62,8 @@ pub(super) fn head(cycle: u32) -> Word {
     Word { name: "CYCL DEF ".into(), operand: Operand::Number(cycle.to_string().into(), f64::from(cycle)) }
 }
 
-/// Cycles of one value, which the machine has under a name: dwell and orientation. Programs name it in the language of the control.
+/// Cycles of one value, which the machine has under a name: dwell and orientation. Programs name it in the language of
+/// the control.
 const VALUES: [(u32, &str); 2] = [(9, "DWELL"), (13, "ANGLE")];
 
 /// Gives the value of a cycle, which stands at the end, its name.

@@ -1,10 +1,11 @@
 //! Cycles 27, 28, 29 and 39: contours on the surface of a cylinder that a rotary table carries.
 //!
-//! Facts: programming manuals of the control (X of the contour is the way round, in degrees or as a length by Q17, Y lies along the axis;
-//! 27 turns the table to each point; 28 mills both walls of a slot along its middle and keeps them parallel, Q21 mills them again where a
-//! smaller tool distorts them; 29 goes round a ridge, 39 along a contour, both from beside the first point; the axis of the table is square
-//! to the tool). Old programs write the letter of the rotary axis instead of X. Decisions: docs of the family, "Choices of cylinder
-//! cycles". *Invariant:* the axis of the cylinder is the zero of the plane and of the tool axis.
+//! Facts: programming manuals of the control (X of the contour is the way round, in degrees or as a length by Q17, Y
+//! lies along the axis; 27 turns the table to each point; 28 mills both walls of a slot along its middle and keeps them
+//! parallel, Q21 mills them again where a smaller tool distorts them; 29 goes round a ridge, 39 along a contour, both
+//! from beside the first point; the axis of the table is square to the tool). Old programs write the letter of the
+//! rotary axis instead of X. Decisions: docs of the family, "Choices of cylinder cycles". *Invariant:* the axis of the
+//! cylinder is the zero of the plane and of the tool axis.
 
 use counterpoint_motion::arc::{Arc, by_center};
 use counterpoint_motion::contour::closed::{Closed, is_clear};
@@ -108,7 +109,8 @@ fn left([x, y]: Spot) -> Spot {
     [-y, x]
 }
 
-/// Directions and spots along an element, close enough that chords are the arc; `beside`: how much larger its radius is elsewhere.
+/// Directions and spots along an element, close enough that chords are the arc; `beside`: how much larger its radius is
+/// elsewhere.
 fn sampled(element: &Element, beside: f64) -> Vec<(Spot, Spot)> {
     let Some(arc) = &element.arc else { return vec![(element.from, element.start()), (element.to, element.end())] };
     let radius = arc.radius + beside.abs();
@@ -128,8 +130,8 @@ fn sampled(element: &Element, beside: f64) -> Vec<(Spot, Spot)> {
     (0..=count).map(at).collect()
 }
 
-/// The tool beside the middle of a way: the table stands at the middle, the tool beside it. `share` is the radius of the contact as a part
-/// of that of the surface.
+/// The tool beside the middle of a way: the table stands at the middle, the tool beside it. `share` is the radius of
+/// the contact as a part of that of the surface.
 fn beside_middle(way: &[Element], side: f64, amount: f64, share: f64) -> Vec<Move> {
     let of = |(spot, heading): (Spot, Spot)| {
         let foot = plus(spot, left(heading), -side * amount);
@@ -390,8 +392,8 @@ impl Heidenhain {
         Ok(Passes { start, ways, rises: false, again })
     }
 
-    /// Passes by which both walls come within Q21 of those that a tool as wide as the slot leaves: at each depth such a tool touches them
-    /// in another direction.
+    /// Passes by which both walls come within Q21 of those that a tool as wide as the slot leaves: at each depth such a
+    /// tool touches them in another direction.
     fn passes(&self, way: &[Element], amount: f64, ground: f64, unit: f64) -> u32 {
         let tolerance = self.sl(21) * unit;
         if tolerance <= 0.0 || amount <= tolerance / 2.0 {

@@ -1,9 +1,9 @@
 //! Feeds per revolution and per tooth: FU and FZ.
 //!
 //! Facts: programming manuals of the control: FU is in millimetres per revolution, FZ in millimetres per tooth, whose
-//! number is CUT of the tool table (system data ID50 NR15), in inches in inch programs; both hold until another feed. Decisions: they become the F
-//! word of M136, other feeds that of M137 from then on; a machine with registers of these names gets them as they are.
-//! Invariant: a program without FU and FZ keeps its F words.
+//! number is CUT of the tool table (system data ID50 NR15), in inches in inch programs; both hold until another feed.
+//! Decisions: they become the F word of M136, other feeds that of M137 from then on; a machine with registers of these
+//! names gets them as they are. Invariant: a program without FU and FZ keeps its F words.
 
 use super::Heidenhain;
 use super::eval::{Asked, Evaluator};

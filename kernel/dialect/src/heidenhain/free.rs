@@ -1,9 +1,10 @@
 //! Free contours: elements whose end follows from the words of the block and from the elements after it.
 //!
-//! Facts: programming manuals of the control (FL, FLT, FC, FCT: end, length, angle, centre, radius, angle of the arc, direction
-//! of rotation; FPOL; CLSD; data relative to another block), reference heidenhain-cycles.md 1. Decisions: only elements that have
-//! one solution: at once, with the tangent of the element before, with auxiliary points, or with one or two elements behind it, and those
-//! of which FSELECT selects one. Invariant: an element that is not determined stops the program, as on the control.
+//! Facts: programming manuals of the control (FL, FLT, FC, FCT: end, length, angle, centre, radius, angle of the arc,
+//! direction of rotation; FPOL; CLSD; data relative to another block), reference heidenhain-cycles.md 1. Decisions:
+//! only elements that have one solution: at once, with the tangent of the element before, with auxiliary points, or
+//! with one or two elements behind it, and those of which FSELECT selects one. Invariant: an element that is not
+//! determined stops the program, as on the control.
 
 use super::choices::exit_angle;
 use super::path::{Position, Shape, Step, Walk};
@@ -47,7 +48,8 @@ pub(super) struct Free {
     begins: Option<Point>,
     /// Elements with the number of their block: end, direction there.
     known: Vec<(u32, Point, Option<Point>)>,
-    /// FSELECT, each with how many elements it stands behind that follow the one that is being made, its number and its line.
+    /// FSELECT, each with how many elements it stands behind that follow the one that is being made, its number and its
+    /// line.
     pub(super) selects: Vec<(usize, usize, u32)>,
     /// Lines of those that have selected something.
     pub(super) decided: Vec<u32>,
@@ -182,8 +184,8 @@ impl Walk<'_> {
         Some(end)
     }
 
-    /// Direction in which the element begins: by its angle, relative to the element before or another one, or that of the element
-    /// before.
+    /// Direction in which the element begins: by its angle, relative to the element before or another one, or that of
+    /// the element before.
     fn begins(&self, tangent: bool) -> Option<Point> {
         if let Some(angle) = self.free("AN") {
             return Some(towards(angle));
@@ -308,7 +310,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The end of a line through an auxiliary point, by one coordinate; where that is a choice of two ways there is none.
+    /// The end of a line through an auxiliary point, by one coordinate; where that is a choice of two ways there is
+    /// none.
     fn through_point(&self) -> Option<Point> {
         let start = self.flat(&self.start);
         let points = super::auxiliary::points(self.step, self.path.plane);
@@ -323,7 +326,8 @@ impl Walk<'_> {
         (part.abs() > 1e-9 && share.abs() > 1e-9).then(|| along(start, way, share))
     }
 
-    /// The centre of a circle through auxiliary points: by three points with its ends, or by the direction in which it begins and one.
+    /// The centre of a circle through auxiliary points: by three points with its ends, or by the direction in which it
+    /// begins and one.
     fn center_through(&self, end: Option<Point>, begins: Option<Point>, clockwise: bool) -> Option<Point> {
         let start = self.flat(&self.start);
         let points = super::auxiliary::points(self.step, self.path.plane);

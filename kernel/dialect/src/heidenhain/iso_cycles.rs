@@ -1,7 +1,8 @@
-//! Cycles of ISO programs whose values have numbers (`G83 P01 2 P02 -20 …`), as the lines of their conversational definitions.
+//! Cycles of ISO programs whose values have numbers (`G83 P01 2 P02 -20 …`), as the lines of their conversational
+//! definitions.
 //!
-//! Facts: programming manual (DIN/ISO). Decision: the numbers of G56 to G59 and G74 to G78 follow the order of the lines.
-//! Invariant: a value without a place in the cycle has no effect.
+//! Facts: programming manual (DIN/ISO). Decision: the numbers of G56 to G59 and G74 to G78 follow the order of the
+//! lines. Invariant: a value without a place in the cycle has no effect.
 
 use super::words::Seen;
 
@@ -103,8 +104,8 @@ mod tests {
         (cycle, old::data(cycle, lines.iter().map(|(number, words)| (*number, words.as_slice())), [0, 1]))
     }
 
-    /// The data by the numbers of ID30: clearance, depth, infeed, feed, sides, slot, radius, feed, direction, dwell, pitch,
-    /// allowance, angle.
+    /// The data by the numbers of ID30: clearance, depth, infeed, feed, sides, slot, radius, feed, direction, dwell,
+    /// pitch, allowance, angle.
     #[test]
     fn values_have_the_places_of_the_conversational_cycle() {
         for (function, text, cycle, expected) in [

@@ -1,7 +1,9 @@
-//! Soft approach and departure of ISO programs: G26 after the first block with G41 or G42, G27 before the block with G40.
+//! Soft approach and departure of ISO programs: G26 after the first block with G41 or G42, G27 before the block with
+//! G40.
 //!
-//! Facts: programming manual (DIN/ISO), tangential approach and departure. Decision: the paths are those of APPR LCT and DEP LCT, a
-//! line and an arc that are tangent to each other and to the contour. Invariant: a G26 or G27 without such a block is an alarm.
+//! Facts: programming manual (DIN/ISO), tangential approach and departure. Decision: the paths are those of APPR LCT
+//! and DEP LCT, a line and an arc that are tangent to each other and to the contour. Invariant: a G26 or G27 without
+//! such a block is an alarm.
 
 use counterpoint_fault::Halt;
 

@@ -1,8 +1,8 @@
 //! From the bytes of a line to a block without number, comment and marks, and a cursor over it.
 //!
 //! Facts: programming manuals of the control: a block begins with its number (conversational) or with N (ISO), `;`
-//! begins a comment, `*` a structure line or, at the end of a block, its end, `~` at the end continues in the next line.
-//! Invariant: outside quotation marks everything is in capital letters.
+//! begins a comment, `*` a structure line or, at the end of a block, its end, `~` at the end continues in the next
+//! line. Invariant: outside quotation marks everything is in capital letters.
 
 use std::borrow::Cow;
 

@@ -1,8 +1,8 @@
 //! Cycles 1 to 6 and 15 to 18: the lines of their definitions.
 //!
-//! Facts: programming and technical manuals of the control (lines of the cycles; system data ID30 by their numbers). Decisions:
-//! a value is identified by its line and its letter, since the words are in the language of the programmer; DR+ is 1, DR−
-//! is −1. Invariant: a definition says all data, those that it does not have are 0.
+//! Facts: programming and technical manuals of the control (lines of the cycles; system data ID30 by their numbers).
+//! Decisions: a value is identified by its line and its letter, since the words are in the language of the programmer;
+//! DR+ is 1, DR− is −1. Invariant: a definition says all data, those that it does not have are 0.
 
 use super::path::AXES;
 use super::words::Seen;

@@ -1,7 +1,8 @@
 //! Path blocks: elements that the tables of a machine cannot express are reduced to straight lines and circles.
 //!
-//! Facts: programming manuals of the control (path functions, polar coordinates, corners). Decisions: a block that is completely defined by its
-//! words is not changed; others become blocks with positions. Invariant: positions are in the units of the program, in its frame.
+//! Facts: programming manuals of the control (path functions, polar coordinates, corners). Decisions: a block that is
+//! completely defined by its words is not changed; others become blocks with positions. Invariant: positions are in the
+//! units of the program, in its frame.
 
 use super::free::Free;
 use super::rates::Rates;

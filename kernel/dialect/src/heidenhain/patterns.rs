@@ -1,10 +1,11 @@
 //! A cycle at each of several points: PATTERN DEF and tables of points with CYCL CALL PAT, cycles 220 and 221.
 //!
-//! Facts: programming manuals of the control (POS, ROW, PAT, FRAME, CIRC, PITCHCIRC; between points the tool is at the second
-//! clearance, of a table at its own, or at the height of the call, whichever is higher; Z of a pattern moves the surface; cycles
-//! 220 and 221 call the cycle defined before them where they are defined, at the first or second clearance between points).
-//! Decisions: rows of a PAT alternate in direction, a FRAME goes round against the clock; before the first point the tool only
-//! rises. Invariant: the block of the call runs once for each point, and a cycle that is not a program is never called so.
+//! Facts: programming manuals of the control (POS, ROW, PAT, FRAME, CIRC, PITCHCIRC; between points the tool is at the
+//! second clearance, of a table at its own, or at the height of the call, whichever is higher; Z of a pattern moves the
+//! surface; cycles 220 and 221 call the cycle defined before them where they are defined, at the first or second
+//! clearance between points). Decisions: rows of a PAT alternate in direction, a FRAME goes round against the clock;
+//! before the first point the tool only rises. Invariant: the block of the call runs once for each point, and a cycle
+//! that is not a program is never called so.
 
 use counterpoint_fault::Halt;
 
@@ -218,8 +219,8 @@ impl Heidenhain {
         Ok(())
     }
 
-    /// CYCL CALL PAT: the blocks that lead to the next point, with the program of the cycle behind them; none where there are no
-    /// points or the block cannot run once more.
+    /// CYCL CALL PAT: the blocks that lead to the next point, with the program of the cycle behind them; none where
+    /// there are no points or the block cannot run once more.
     pub(super) fn call_at_pattern(
         &mut self,
         host: &mut dyn Host,
@@ -278,7 +279,8 @@ impl Heidenhain {
         Some(self.q(index)).filter(|count| (1.0..=MOST as f64).contains(count)).map(|count| count as usize)
     }
 
-    /// Points of cycle 220: without a step they share the way from the first angle to the last, of a full circle its end is free.
+    /// Points of cycle 220: without a step they share the way from the first angle to the last, of a full circle its
+    /// end is free.
     fn on_circle(&self) -> Option<Vec<Point>> {
         let count = self.points(241)?;
         let [first, last, step] = [245, 246, 247].map(|index| self.q(index));

@@ -1,7 +1,7 @@
 //! Feeds of path blocks that are made from one block of the program.
 //!
-//! Facts: programming manuals of the control (F AUTO, feeds of corners, FMAX for one block). Invariant: a feed of a corner ends
-//! with it; the feed before it comes back in the next block that moves.
+//! Facts: programming manuals of the control (F AUTO, feeds of corners, FMAX for one block). Invariant: a feed of a
+//! corner ends with it; the feed before it comes back in the next block that moves.
 
 use super::path::{Shape, Walk, axis};
 

@@ -1,8 +1,8 @@
 //! The tool in space: M128 and FUNCTION TCPM with their feed, and directions of LN blocks.
 //!
-//! Facts: programming manuals of the control (TCPM, three-dimensional compensation): F after M128 limits the linear axes
-//! that follow; a direction T counts only under M128 or TCPM; a block with a normal N but without T then has the tool along
-//! N. Decision: allowances of the tool along N are an alarm.
+//! Facts: programming manuals of the control (TCPM, three-dimensional compensation): F after M128 limits the linear
+//! axes that follow; a direction T counts only under M128 or TCPM; a block with a normal N but without T then has the
+//! tool along N. Decision: allowances of the tool along N are an alarm.
 
 use super::Heidenhain;
 use super::words::Seen;
@@ -25,7 +25,8 @@ fn function(word: &Seen) -> Option<f64> {
 }
 
 impl Heidenhain {
-    /// M128, FUNCTION TCPM: the F word after it is the rate of the axes that follow, for machines with a register for it.
+    /// M128, FUNCTION TCPM: the F word after it is the rate of the axes that follow, for machines with a register for
+    /// it.
     pub(super) fn follow(&mut self, host: &dyn Host, seen: &mut [Seen]) {
         let Some(on) = seen.iter().position(|word| function(word) == Some(128.0) || word.is("TCPM")) else { return };
         self.space.follows = !seen.iter().any(|word| word.is("RESET"));

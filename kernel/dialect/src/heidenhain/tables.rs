@@ -1,8 +1,8 @@
 //! Tables of points (.PNT) and of datums (.D) among the files of the job.
 //!
-//! Facts: programming manuals of the control (SEL PATTERN, SEL TABLE, cycle 7 with `#`; the first line says the unit, the second
-//! names the columns, `[END]` closes). Decisions: a row with a value in every column is read by order, any other by the places of
-//! the names; FADE with Y hides a point. Invariant: lengths are in the unit of the program.
+//! Facts: programming manuals of the control (SEL PATTERN, SEL TABLE, cycle 7 with `#`; the first line says the unit,
+//! the second names the columns, `[END]` closes). Decisions: a row with a value in every column is read by order, any
+//! other by the places of the names; FADE with Y hides a point. Invariant: lengths are in the unit of the program.
 
 use counterpoint_event::FileId;
 use counterpoint_fault::Halt;

@@ -1,7 +1,8 @@
 //! The data of cycles along contours: levels, feeds, allowances, direction.
 //!
-//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20, Q8 is a radius of the way of the tool; Q10 to Q19, Q208 of the cycles; the lines of the old cycles, which
-//! count from where the tool stands; cycles 271 to 274 and 277). Decisions: the tool of 277 comes to a point.
+//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20, Q8 is a radius of the way of the tool; Q10 to Q19,
+//! Q208 of the cycles; the lines of the old cycles, which count from where the tool stands; cycles 271 to 274 and 277).
+//! Decisions: the tool of 277 comes to a point.
 
 use super::Heidenhain;
 use super::cycles::RAPID;
@@ -133,8 +134,8 @@ impl Heidenhain {
         (self.sl(index) > 0.0).then(|| self.sl(index) as u32)
     }
 
-    /// How much farther from the contour than its radius the tool of cycle 277 is: at the surface its cone reaches beyond the contour
-    /// by the width of the chamfer.
+    /// How much farther from the contour than its radius the tool of cycle 277 is: at the surface its cone reaches
+    /// beyond the contour by the width of the chamfer.
     fn beside_chamfer(&self, host: &dyn Host) -> Result<f64, String> {
         let tool = self.variables.control.tool.unwrap_or_else(|| f64::from(host.tool()));
         let half = self.tools.column(host, tool as u32, TIP_ANGLE).unwrap_or(0.0) / 2.0;

@@ -1,7 +1,7 @@
 //! TRANS DATUM, MIRROR, ROTATION and SCALE: cycles 7, 8, 10 and 11 by other names.
 //!
-//! Facts: user's manual of the TNC7, NC functions for coordinate transformation. *Invariant:* each is reduced to its cycle, so
-//! that both act on the same values.
+//! Facts: user's manual of the TNC7, NC functions for coordinate transformation. *Invariant:* each is reduced to its
+//! cycle, so that both act on the same values.
 
 use counterpoint_fault::Halt;
 

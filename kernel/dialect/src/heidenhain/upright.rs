@@ -1,7 +1,8 @@
 //! Circles and polar coordinates outside the working plane: `CC` with the tool axis, then `C`, `LP` or `CP`.
 //!
-//! Facts: programming manual of the control (circles that do not lie in the working plane; the axes of the pole select the
-//! plane of polar coordinates); the angle of a plane counts from its first axis: X to Y, Y to Z, Z to X. *Invariant:* the working plane and its pole are the same after the block as before it.
+//! Facts: programming manual of the control (circles that do not lie in the working plane; the axes of the pole select
+//! the plane of polar coordinates); the angle of a plane counts from its first axis: X to Y, Y to Z, Z to X.
+//! *Invariant:* the working plane and its pole are the same after the block as before it.
 
 use super::path::{Shape, Walk, axis};
 use crate::contour::Point;

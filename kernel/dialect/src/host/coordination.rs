@@ -44,7 +44,8 @@ pub trait Coordination {
     /// Number of the channel that the machine gives this name, letter case ignored.
     fn channel_named(&self, name: &str) -> Option<u16>;
 
-    /// Executes a statement for a mark (0 without one) and channels: waits until the others are there, or lets them continue.
+    /// Executes a statement for a mark (0 without one) and channels: waits until the others are there, or lets them
+    /// continue.
     ///
     /// # Errors
     /// Its mark or its channels are not possible, the control refuses the wait, or the job was stopped.

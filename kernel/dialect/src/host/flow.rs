@@ -136,7 +136,8 @@ pub trait Flow {
     /// The cycle of the block goes along this contour.
     fn cut_along(&mut self, shape: Shape);
 
-    /// At the end of the block a subprogram runs whose moves are recorded, not made: they are the contour of cycles to come.
+    /// At the end of the block a subprogram runs whose moves are recorded, not made: they are the contour of cycles to
+    /// come.
     fn read_contour(&mut self, call: Call);
 
     /// Moves are recorded, not made.

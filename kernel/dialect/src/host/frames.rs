@@ -41,7 +41,8 @@ pub trait Frames {
     /// Axes of the channel, in its order.
     fn axes(&self) -> Vec<AxisPlace>;
 
-    /// By which letter the programs of the channel name an axis that is given by its name or letter, letter case ignored.
+    /// By which letter the programs of the channel name an axis that is given by its name or letter, letter case
+    /// ignored.
     fn axis_letter(&self, name: &str) -> Option<&str>;
 
     /// Positions of the channel's axes by name: in the work frame as programmed, in the machine frame.
@@ -63,14 +64,15 @@ pub trait Frames {
     /// program counts now.
     fn local_frame(&self) -> [f64; 12];
 
-    /// Positions of the rotary axes, by letter, that turn into the tilted plane; none without one, or before that is known.
+    /// Positions of the rotary axes, by letter, that turn into the tilted plane; none without one, or before that is
+    /// known.
     fn plane_angles(&self) -> Option<Vec<(String, f64)>>;
 
     /// Rate of an axis at rapid, by its letter, units of the machine a minute.
     fn rapid_rate(&self, letter: &str) -> Option<f64>;
 
-    /// The rotary axis of a table that carries the part, by letter, with its direction in the frame of the program; none without one
-    /// or under control of the tip.
+    /// The rotary axis of a table that carries the part, by letter, with its direction in the frame of the program;
+    /// none without one or under control of the tip.
     fn part_table(&self) -> Option<(String, [f64; 3])>;
 
     /// Direction from the tip of the tool to the spindle, in the frame of the part; along Z without control of the tip.
@@ -94,16 +96,16 @@ pub trait Frames {
     /// Sets the rotation, which takes effect at once; returns whether it was set.
     fn turn_offset(&mut self, number: u32, turn: Option<[f64; 9]>) -> bool;
 
-    /// Moves an axis to a position together with the next move of the block, or alone at the end of the block: its letter, the
-    /// position in program units, and its feed per minute (none is rapid).
+    /// Moves an axis to a position together with the next move of the block, or alone at the end of the block: its
+    /// letter, the position in program units, and its feed per minute (none is rapid).
     fn go_beside(&mut self, letter: &str, to: f64, feed: Option<f64>);
 
-    /// Makes the feed of the path count only for these axes, given by their letters; without letters, for the initial axes of the
-    /// control.
+    /// Makes the feed of the path count only for these axes, given by their letters; without letters, for the initial
+    /// axes of the control.
     fn count_feed(&mut self, letters: &[String]);
 
-    /// Makes a degree of a rotary axis count in the feed of the path as the travel at this radius, in lengths of the program;
-    /// false if the axis is not rotary.
+    /// Makes a degree of a rotary axis count in the feed of the path as the travel at this radius, in lengths of the
+    /// program; false if the axis is not rotary.
     fn set_feed_radius(&mut self, letter: &str, radius: f64) -> bool;
 
     /// A side of the working area by the letter of an axis: its limit in program units, and whether it is enabled.

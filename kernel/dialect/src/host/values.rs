@@ -63,8 +63,8 @@ pub trait Values {
     /// The machine gives common variables to each channel instead of sharing them.
     fn has_own_common(&self) -> bool;
 
-    /// Value of a local variable of the running program (`#1` to `#33`), which most expressions read; vacant without a value
-    /// and for every other number.
+    /// Value of a local variable of the running program (`#1` to `#33`), which most expressions read; vacant without a
+    /// value and for every other number.
     fn local_number(&self, index: u32) -> f64;
 
     /// Value of a numbered variable (`#n`): local, common or of the system; vacant without a value.

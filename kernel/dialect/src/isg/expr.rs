@@ -1,8 +1,9 @@
 //! Expressions: their form and how they are read.
 //!
-//! Facts: reference channel-synchronisation.md 1.7. Decision, the order of operators, loosest first: OR, XOR, AND, those of bits in
-//! the same order, `== !=`, `< <= > >=`, `+ -`, `* / MOD`, `**`. Invariant: an expression has [`MOST`] parts at the most and is
-//! [`DEEPEST`] brackets deep, so neither reading nor evaluating nor dropping it runs out of stack.
+//! Facts: reference channel-synchronisation.md 1.7. Decision, the order of operators, loosest first: OR, XOR, AND,
+//! those of bits in the same order, `== !=`, `< <= > >=`, `+ -`, `* / MOD`, `**`. Invariant: an expression has [`MOST`]
+//! parts at the most and is [`DEEPEST`] brackets deep, so neither reading nor evaluating nor dropping it runs out of
+//! stack.
 
 use super::cursor::{Cursor, Mistake};
 use crate::expression::{self, Code, Grammar, Operators, Part, Sign, read};

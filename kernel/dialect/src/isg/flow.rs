@@ -1,9 +1,9 @@
 //! Control blocks, jumps and calls, executed.
 //!
-//! Facts: reference channel-synchronisation.md 1.7. Decisions: FOR asks for its last value and its step after each pass and ends beyond the
-//! last value in the direction of the step; a branch of SWITCH runs on into the next one unless it breaks. A subprogram `L NAME` is a
-//! file of that name, with or without its ending, beside the calling one or stored with the machine. Invariant: nothing is
-//! remembered of a loop, its partners are found in the text.
+//! Facts: reference channel-synchronisation.md 1.7. Decisions: FOR asks for its last value and its step after each pass
+//! and ends beyond the last value in the direction of the step; a branch of SWITCH runs on into the next one unless it
+//! breaks. A subprogram `L NAME` is a file of that name, with or without its ending, beside the calling one or stored
+//! with the machine. Invariant: nothing is remembered of a loop, its partners are found in the text.
 
 use std::sync::Arc;
 

@@ -1,7 +1,8 @@
 //! A block, read once.
 //!
-//! Facts: reference channel-synchronisation.md 1.7. Decisions: `G04` may have its time without an address; a text that is neither word
-//! nor statement stays on the block for the tables of the machine. Invariant: items are in the order of the text.
+//! Facts: reference channel-synchronisation.md 1.7. Decisions: `G04` may have its time without an address; a text that
+//! is neither word nor statement stays on the block for the tables of the machine. Invariant: items are in the order of
+//! the text.
 
 use super::cursor::{Cursor, Mistake, plain};
 use super::expr::{Expr, Reader, Variable, is_function, is_value, is_variable};

@@ -1,8 +1,9 @@
 //! Where jumps and calls lead: labels, control blocks, the programs of a file.
 //!
-//! Facts: reference channel-synchronisation.md 1.7. Decisions: a label is a block number, with or without a colon, or a name in brackets; it is
-//! looked for onwards, then from the top of its program. A subprogram `%L NAME` or the main program `%NAME` goes to the next `%`.
-//! Invariant: partners are found without running anything, so a jump out of a loop leaves nothing after.
+//! Facts: reference channel-synchronisation.md 1.7. Decisions: a label is a block number, with or without a colon, or a
+//! name in brackets; it is looked for onwards, then from the top of its program. A subprogram `%L NAME` or the main
+//! program `%NAME` goes to the next `%`. Invariant: partners are found without running anything, so a jump out of a
+//! loop leaves nothing after.
 
 use rustc_hash::FxHashMap;
 

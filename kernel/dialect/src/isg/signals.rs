@@ -1,9 +1,9 @@
 //! `#SIGNAL`, `#WAIT`, `#SIGNAL READ`, `#SIGNAL REMOVE`: their notation, and their requests to the kernel.
 //!
-//! Facts: reference channel-synchronisation.md 1.7, and the control's own alarms, whose numbers the texts begin with. Decisions: no
-//! block is decoded before it is executed, so a statement acts at the same time with `SYN` and without; `AHEAD` saves a stop that motion here
-//! does not have; a signal outlives the run of no channel, so `KEEP_AT_RESET` changes nothing. Invariant: values go with signals at the level of the
-//! decoder only.
+//! Facts: reference channel-synchronisation.md 1.7, and the control's own alarms, whose numbers the texts begin with.
+//! Decisions: no block is decoded before it is executed, so a statement acts at the same time with `SYN` and without;
+//! `AHEAD` saves a stop that motion here does not have; a signal outlives the run of no channel, so `KEEP_AT_RESET`
+//! changes nothing. Invariant: values go with signals at the level of the decoder only.
 
 use counterpoint_fault as diag;
 

@@ -1,10 +1,10 @@
 //! The variables of one kernel, and the external ones that it shares with the PLC and the other channels.
 //!
-//! Facts: reference channel-synchronisation.md 1.7. Decisions: parameters P and variables V.P and V.S belong to the channel until its
-//! program begins again, V.L to the program or subprogram that runs; a variable begins to exist when it is assigned or declared.
-//! A read of a synchronous external variable lets everything programmed before be executed first; an asynchronous one is read and written
-//! when its block is decoded, which here is when the channel comes to it, before a move that compensation of the tool radius keeps back.
-//! Invariant: no value is infinite or not a number.
+//! Facts: reference channel-synchronisation.md 1.7. Decisions: parameters P and variables V.P and V.S belong to the
+//! channel until its program begins again, V.L to the program or subprogram that runs; a variable begins to exist when
+//! it is assigned or declared. A read of a synchronous external variable lets everything programmed before be executed
+//! first; an asynchronous one is read and written when its block is decoded, which here is when the channel comes to
+//! it, before a move that compensation of the tool radius keeps back. Invariant: no value is infinite or not a number.
 
 use std::borrow::Cow;
 

@@ -1,7 +1,7 @@
 //! Functions of one number.
 //!
-//! *Invariants:* angles are degrees, and sine and cosine are exact at multiples of 90; functions come from `libm`, so that
-//! every machine gives the same bits.
+//! *Invariants:* angles are degrees, and sine and cosine are exact at multiples of 90; functions come from `libm`, so
+//! that every machine gives the same bits.
 
 use std::f64::consts::PI;
 

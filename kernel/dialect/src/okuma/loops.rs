@@ -1,7 +1,8 @@
 //! Loops: `WHILE [condition] DO n`, `DO n` and `END n`.
 //!
-//! Facts: list of alarms of the OSP (wrong WHILE, DO or END; WHILE without its function). Decision: a loop lies in one program, and
-//! the innermost open DO of a number has the END of that number. *Invariant:* a statement without its partner stops the channel.
+//! Facts: list of alarms of the OSP (wrong WHILE, DO or END; WHILE without its function). Decision: a loop lies in one
+//! program, and the innermost open DO of a number has the END of that number. *Invariant:* a statement without its
+//! partner stops the channel.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};

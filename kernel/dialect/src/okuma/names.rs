@@ -20,8 +20,8 @@ const RESERVED: &[&str] = &[
     "EXP", "LN",
 ];
 
-/// Words of two letters that the control has on machines with the equipment: tools of a changer and of turrets, tool groups, live
-/// tools, the B axis, spindle orientation, home positions.
+/// Words of two letters that the control has on machines with the equipment: tools of a changer and of turrets, tool
+/// groups, live tools, the B axis, spindle orientation, home positions.
 const WORDS: [&str; 8] = ["TD", "TL", "TG", "OG", "SB", "BA", "RS", "HP"];
 
 /// A word of the control, whether the machine has it or not.
@@ -34,7 +34,8 @@ pub(super) fn is_offset(name: &str) -> bool {
     matches!(name, "HA" | "HB" | "HC" | "DA" | "DB" | "DC")
 }
 
-/// A word that only looks like the name of a block or program. OMIT leaves points of a figure out, unless nothing follows it.
+/// A word that only looks like the name of a block or program. OMIT leaves points of a figure out, unless nothing
+/// follows it.
 pub(super) fn is_statement(word: &[u8], continues: bool) -> bool {
     let statements = [b"NOEX".as_slice(), b"NCYL", b"NMSG"].into_iter();
     statements.chain(continues.then_some(b"OMIT".as_slice())).any(|known| word.eq_ignore_ascii_case(known))

@@ -1,7 +1,7 @@
 //! Parts of a frame for axes other than X, Y and Z, mainly rotary axes: each axis has its own linear map.
 //!
-//! Facts: the control's frames have translation, scale and mirror for every axis of the channel, rotations for geometry axes only.
-//! Invariant: all numbers are finite and no scale is 0.
+//! Facts: the control's frames have translation, scale and mirror for every axis of the channel, rotations for geometry
+//! axes only. Invariant: all numbers are finite and no scale is 0.
 
 use super::frame::Part;
 

@@ -1,8 +1,8 @@
 //! Words that a block must not combine.
 //!
-//! Facts: reference siemens-cycles.md 6: frames and poles need separate blocks (12120), RP is not negative (14200), a block
-//! has polar or Cartesian words of its plane (14280), a circle has a centre, an end or a radius (14900), an angle within a
-//! turn (14910), a corner is not negative (16500). *Invariant:* a block that is refused moves nothing.
+//! Facts: reference siemens-cycles.md 6: frames and poles need separate blocks (12120), RP is not negative (14200), a
+//! block has polar or Cartesian words of its plane (14280), a circle has a centre, an end or a radius (14900), an angle
+//! within a turn (14910), a corner is not negative (16500). *Invariant:* a block that is refused moves nothing.
 
 use super::{Fault, Outcome};
 use counterpoint_fault as diag;

@@ -1,8 +1,8 @@
 //! Branches, loops, jumps and repetitions, executed.
 //!
 //! Facts: reference control-emulator.md 5.4. Decisions: FOR adds 1 and asks for its last value again after each pass; a
-//! part that is repeated runs as a call of its blocks. Invariant: nothing is remembered of a loop, its partners are found
-//! in the text.
+//! part that is repeated runs as a call of its blocks. Invariant: nothing is remembered of a loop, its partners are
+//! found in the text.
 
 use super::expression::Expression;
 use super::line::{Assigned, Item, Jump, Label, Structure};

@@ -112,8 +112,8 @@ impl Siemens {
         Ok(())
     }
 
-    /// A contour by its name: the subprogram of that name, or the section between the labels that the control's editor of contours writes
-    /// around a contour within the program.
+    /// A contour by its name: the subprogram of that name, or the section between the labels that the control's editor
+    /// of contours writes around a contour within the program.
     fn contour_by_name(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<Call> {
         let found = self.program_by_path(host, name)?;
         if !name.is_empty() && found.is_some() {
@@ -153,7 +153,8 @@ impl Siemens {
         self.store(host, &target, Data::Int(count))
     }
 
-    /// Adds the contour that was read to the pocket, as its rim or as an island; the number of rings, -1 if it is not closed.
+    /// Adds the contour that was read to the pocket, as its rim or as an island; the number of rings, -1 if it is not
+    /// closed.
     fn ring(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [target] = self.targets(host, arguments)?;
         if host.contour().len() > MOST_PIECES {
@@ -179,15 +180,17 @@ impl Siemens {
         Ok(())
     }
 
-    /// How a tool clears the pocket at a distance from its rings, and cuts not further apart than a step, if that is above 0.
+    /// How a tool clears the pocket at a distance from its rings, and cuts not further apart than a step, if that is
+    /// above 0.
     fn clearing(&self, factor: f64, [by, step]: [f64; 2]) -> Option<(Clearing, Vec<Vec<Element>>)> {
         let clearing = Clearing::of(&self.variables.area, by * factor)?;
         let rows = clearing.rows(step * factor, MOST_LINES);
         Some((clearing, rows))
     }
 
-    /// Ways around the pocket and its islands at a distance, in the directions of G3 around the rim or, with a number other than 0 behind the step of the
-    /// cuts, of G2: rows of a table, each way behind a row of kind 0 with its beginning. -1 rows if the tool fits nowhere.
+    /// Ways around the pocket and its islands at a distance, in the directions of G3 around the rim or, with a number
+    /// other than 0 behind the step of the cuts, of G2: rows of a table, each way behind a row of kind 0 with its
+    /// beginning. -1 rows if the tool fits nowhere.
     fn ways(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
         let [by, step, turned] = self.numbers(host, arguments.get(2..).unwrap_or_default())?;
@@ -221,8 +224,8 @@ impl Siemens {
         self.fill(host, (&count, &table), &holes, factor)
     }
 
-    /// Strokes of a text whose capitals are as high as 1, and the width of one of its letters: rows of a table, each stroke from a row of kind 0 on.
-    /// -1 rows if it has a letter that is not of ASCII.
+    /// Strokes of a text whose capitals are as high as 1, and the width of one of its letters: rows of a table, each
+    /// stroke from a row of kind 0 on. -1 rows if it has a letter that is not of ASCII.
     fn letters(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [count, table, wide] = self.targets(host, arguments)?;
         let mut rest = [None, None];
@@ -279,8 +282,8 @@ impl Siemens {
         self.store(host, count, Data::Int(i64::try_from(rows.len()).unwrap_or(i64::MAX)))
     }
 
-    /// Number of pieces, and the pieces as far as the table has room; the first row is where the contour begins. A third number
-    /// moves them to the left, below zero to the right; -1 pieces if that is not possible.
+    /// Number of pieces, and the pieces as far as the table has room; the first row is where the contour begins. A
+    /// third number moves them to the left, below zero to the right; -1 pieces if that is not possible.
     fn pieces(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
         let by = match arguments.get(2) {

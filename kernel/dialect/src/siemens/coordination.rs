@@ -1,4 +1,5 @@
-//! Statements between channels: `WAITM(mark, channels)`, `SETM(marks)`, `WAITE(channels)`, `INIT(channel, program)` and the like.
+//! Statements between channels: `WAITM(mark, channels)`, `SETM(marks)`, `WAITE(channels)`, `INIT(channel, program)` and
+//! the like.
 //!
 //! Facts: reference channel-synchronisation.md 1.4, scenario M06. Data of the machine define the statements, the events
 //! they wait for and their marks; the arguments are read here. A channel may be given by its name, unless a variable
@@ -95,8 +96,8 @@ impl Siemens {
         }
     }
 
-    /// INIT: a channel, the path of its program, and whether a program that is missing is reported here (`"S"`, as without) or
-    /// at the start (`"N"`).
+    /// INIT: a channel, the path of its program, and whether a program that is missing is reported here (`"S"`, as
+    /// without) or at the start (`"N"`).
     fn select(&mut self, host: &mut dyn Host, statement: &str, arguments: &[Argument]) -> Outcome<()> {
         let ([channel, path] | [channel, path, _]) = arguments else {
             return wrong(format!("{statement} needs a channel and a program"));

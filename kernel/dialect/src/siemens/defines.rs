@@ -1,7 +1,7 @@
 //! DEFINE: texts that stand for names.
 //!
-//! Facts: reference control-emulator.md 5.4. A name is a whole one, as `M5` or `START`; texts in quotation marks and the
-//! text that a name stands for are left alone. Invariant: no block grows without bound.
+//! Facts: reference control-emulator.md 5.4. A name is a whole one, as `M5` or `START`; texts in quotation marks and
+//! the text that a name stands for are left alone. Invariant: no block grows without bound.
 
 use rustc_hash::FxHashMap;
 

@@ -61,7 +61,8 @@ impl Evaluate<Data, Own> for Values<'_> {
 /// The number of a tool by its name, which the machine knows: names that the program has written count first.
 const TOOL_NAME: &str = "$P_TOOLNAME";
 
-/// `$P_TOOLNAME["NAME"]`, as the machine is asked for it: with the number of the tool in the tables, if they have the name.
+/// `$P_TOOLNAME["NAME"]`, as the machine is asked for it: with the number of the tool in the tables, if they have the
+/// name.
 fn with_number(host: &dyn Host, asked: String) -> String {
     let name = asked.split('"').nth(1).unwrap_or_default();
     match (host.tool_named(name), asked.strip_suffix(']')) {
@@ -240,8 +241,8 @@ impl Siemens {
 /// The value of a variable of type AXIS that names none.
 const NO_AXIS: &str = "NO_AXIS";
 
-/// Types of machining of CYCLE832 by their names: units 0 off, 1 finishing, 2 semi-finishing, 3 roughing, 4 precision; tens 1 with
-/// a tolerance of the orientation.
+/// Types of machining of CYCLE832 by their names: units 0 off, 1 finishing, 2 semi-finishing, 3 roughing, 4 precision;
+/// tens 1 with a tolerance of the orientation.
 const MACHINING: [(&str, i64); 10] = [
     ("_OFF", 0),
     ("_FINISH", 1),

@@ -1,7 +1,7 @@
 //! `$P_GG`: which function of a G group is active; `G[group]=n`: the function with this number.
 //!
-//! Facts: list of G functions, which numbers them in each group. *Invariant:* a function that is not in the table has no number, so
-//! that reading it is reported.
+//! Facts: list of G functions, which numbers them in each group. *Invariant:* a function that is not in the table has
+//! no number, so that reading it is reported.
 
 use crate::host::Host;
 use counterpoint_machine::ident::{CodeId, codes};

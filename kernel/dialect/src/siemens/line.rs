@@ -20,7 +20,8 @@ pub(super) struct Line {
     /// In capital letters.
     pub(super) label: Option<String>,
     pub(super) items: Vec<Item>,
-    /// Its text has neither a mark of optional skip nor is it the head of a program: nothing is to be asked before it acts.
+    /// Its text has neither a mark of optional skip nor is it the head of a program: nothing is to be asked before it
+    /// acts.
     pub(super) at_once: bool,
     /// Its text is such a one, and is for the interpreter whether plain words are or not.
     pub(super) is_statement: bool,

@@ -1,7 +1,8 @@
 //! MSG and SETAL: texts and alarms of the program.
 //!
-//! Facts: reference control-emulator.md 5.4; alarms 60000 to 69999 are those of users, and their number says whether they stop the
-//! channel. *Invariant:* a shown text is a text of the program, never an expression that could be evaluated.
+//! Facts: reference control-emulator.md 5.4; alarms 60000 to 69999 are those of users, and their number says whether
+//! they stop the channel. *Invariant:* a shown text is a text of the program, never an expression that could be
+//! evaluated.
 
 use super::expression::{Argument, as_name};
 use super::run::Left;

@@ -1,6 +1,8 @@
-//! Statements about how moves are made: G functions by their numbers, axes that F counts for and their radii, dynamics of axes.
+//! Statements about how moves are made: G functions by their numbers, axes that F counts for and their radii, dynamics
+//! of axes.
 //!
-//! Facts: programming manual of the control (G groups, FGROUP, FGREF, ACC, VELOLIM, JERKLIM). *Invariant:* every ignored statement is reported.
+//! Facts: programming manual of the control (G groups, FGROUP, FGREF, ACC, VELOLIM, JERKLIM). *Invariant:* every
+//! ignored statement is reported.
 
 use super::expression::{Argument, Expression, Name};
 use super::line::Assigned;

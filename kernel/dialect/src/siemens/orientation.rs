@@ -1,14 +1,16 @@
-//! Directions of the tool by angles, and frames by two space angles or by the direction of the tool: the machine's tables get
-//! directions, TRANS, ROT and AROT for them.
+//! Directions of the tool by angles, and frames by two space angles or by the direction of the tool: the machine's
+//! tables get directions, TRANS, ROT and AROT for them.
 //!
-//! Facts: programming manual, job planning, chapters "programming the tool orientation" and "frame generation by tool orientation";
-//! fundamentals, chapter "programmable frame rotations with solid angles". A direction is Z turned: with RPY angles by C2 about Z, B2 about the
-//! new Y, A2 about the new X, with Euler angles by A2 about Z, B2 about the new X; C2 then does nothing. Two space angles about axes A and B are those of
-//! the lines in which the plane cuts the old planes; the axis of the second angle's line lies in its old plane. TOFRAME and TOROT, which TOFRAMEZ and TOROTZ also mean, put Z along
-//! the tool, X stays in its old plane with Z. Decisions: Euler angles unless ORIRPY says otherwise; angles that a block does not have are 0;
-//! TOFRAME and TOROT act on the programmable frame; ORIRESET, whose values are places of the machine's rotary axes in their order, 0 where one is left
-//! out, moves them as the block's G function says. *Invariant:* without a transformation for directions these words stay as unknown as on a
-//! control without the option.
+//! Facts: programming manual, job planning, chapters "programming the tool orientation" and "frame generation by tool
+//! orientation"; fundamentals, chapter "programmable frame rotations with solid angles". A direction is Z turned: with
+//! RPY angles by C2 about Z, B2 about the new Y, A2 about the new X, with Euler angles by A2 about Z, B2 about the new
+//! X; C2 then does nothing. Two space angles about axes A and B are those of the lines in which the plane cuts the old
+//! planes; the axis of the second angle's line lies in its old plane. TOFRAME and TOROT, which TOFRAMEZ and TOROTZ also
+//! mean, put Z along the tool, X stays in its old plane with Z. Decisions: Euler angles unless ORIRPY says otherwise;
+//! angles that a block does not have are 0; TOFRAME and TOROT act on the programmable frame; ORIRESET, whose values are
+//! places of the machine's rotary axes in their order, 0 where one is left out, moves them as the block's G function
+//! says. *Invariant:* without a transformation for directions these words stay as unknown as on a control without the
+//! option.
 
 use super::aims::Vector;
 use super::evaluate::number;

@@ -1,7 +1,7 @@
 //! The effect of a block of an 840D program, without executing it.
 //!
-//! Decisions: a name that is declared as a variable may hold any label or number; names that DEFINE replaces may mean anything.
-//! *Invariant:* labels, partners of loops and programs are found as the interpreter finds them.
+//! Decisions: a name that is declared as a variable may hold any label or number; names that DEFINE replaces may mean
+//! anything. *Invariant:* labels, partners of loops and programs are found as the interpreter finds them.
 
 use rustc_hash::FxHashSet;
 

@@ -1,10 +1,12 @@
-//! POS, POSA, FA and WAITP: axes that move to a position independently. ACC, VELOLIM, JERKLIM, ATOL, FL: data of single axes.
+//! POS, POSA, FA and WAITP: axes that move to a position independently. ACC, VELOLIM, JERKLIM, ATOL, FL: data of single
+//! axes.
 //!
-//! Facts: programming manual, fundamentals, chapter "traversing positioning axes": positioning axes move independently of the path,
-//! each with its own feed; POS[axis] waits at the end of its block, POSA[axis] does not, WAITP waits for such an axis; FA[axis] is
-//! its feed per minute, without it the axis moves at the rate of the machine. Decisions: the block also waits with POSA, so WAITP
-//! never waits; without FA an axis is rapid; all axes move together with the first move of the block. Limits of single axes
-//! have no effect, with a warning if they would change times. *Invariant:* group 1, the type of the feed and F of the path do not change.
+//! Facts: programming manual, fundamentals, chapter "traversing positioning axes": positioning axes move independently
+//! of the path, each with its own feed; POS[axis] waits at the end of its block, POSA[axis] does not, WAITP waits for
+//! such an axis; FA[axis] is its feed per minute, without it the axis moves at the rate of the machine. Decisions: the
+//! block also waits with POSA, so WAITP never waits; without FA an axis is rapid; all axes move together with the first
+//! move of the block. Limits of single axes have no effect, with a warning if they would change times. *Invariant:*
+//! group 1, the type of the feed and F of the path do not change.
 
 use super::expression::{Argument, Name, as_name};
 use super::line::Assigned;

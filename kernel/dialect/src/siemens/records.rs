@@ -1,9 +1,10 @@
 //! WRITE, READ and DELETE: files of the job that programs write line by line.
 //!
-//! They are files of the job by their path without `_N_` and in lower case; one without an extension is `.mpf`, one without a folder lies
-//! in `mpf.dir`, which is the folder of the job itself. Channels reach them in the order of simulated time. Results: 0 done, 1 a path that leads elsewhere, 3 no
-//! such file, 10 full; for READ 21 no such line, 22 the table is too small, 23 the range of lines goes beyond the end of the file. *Invariant:* a
-//! result other than 0 has changed neither a file nor the table.
+//! They are files of the job by their path without `_N_` and in lower case; one without an extension is `.mpf`, one
+//! without a folder lies in `mpf.dir`, which is the folder of the job itself. Channels reach them in the order of
+//! simulated time. Results: 0 done, 1 a path that leads elsewhere, 3 no such file, 10 full; for READ 21 no such line,
+//! 22 the table is too small, 23 the range of lines goes beyond the end of the file. *Invariant:* a result other than 0
+//! has changed neither a file nor the table.
 
 use std::sync::Arc;
 

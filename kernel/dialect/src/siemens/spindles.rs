@@ -1,9 +1,10 @@
 //! Words of spindles: SPOS, SPOSA, LIMS and S with a number, SETMS.
 //!
-//! Facts: programming manual, fundamentals: `SPOS[n]=` and `LIMS[n]=` concern spindle n, without a number the master spindle, which
-//! SETMS chooses; under G96 and after G25 and G26 `S<n>=` is a cutting speed or a limit, like S. Decisions: an oriented stop is M19
-//! with its angle, so the block also waits with SPOSA; a limit of a spindle other than the master takes effect at its SETMS,
-//! since LIMS concerns the cutting speed of the master spindle. *Invariant:* a block has one oriented stop of a spindle.
+//! Facts: programming manual, fundamentals: `SPOS[n]=` and `LIMS[n]=` concern spindle n, without a number the master
+//! spindle, which SETMS chooses; under G96 and after G25 and G26 `S<n>=` is a cutting speed or a limit, like S.
+//! Decisions: an oriented stop is M19 with its angle, so the block also waits with SPOSA; a limit of a spindle other
+//! than the master takes effect at its SETMS, since LIMS concerns the cutting speed of the master spindle. *Invariant:*
+//! a block has one oriented stop of a spindle.
 
 use super::expression::{Argument, Expression, Name};
 use super::line::{Assigned, Item, Positioning};

@@ -1,9 +1,10 @@
 //! System variables that keep the values of programs, and constant ones.
 //!
-//! Facts: reference siemens-cycles.md 4 (variables programs read) and 3 (data of tools). Decisions: markers, parameters, parts and
-//! setting data belong to the channel, data of the PLC interface and outputs to all channels; inputs are 0 unless a macro of the
-//! machine answers. Of the data of tools only those are kept that change no path. *Invariants:* nothing that would move an axis
-//! is kept here, so that it is reported instead of ignored; the number of kept values is bounded.
+//! Facts: reference siemens-cycles.md 4 (variables programs read) and 3 (data of tools). Decisions: markers,
+//! parameters, parts and setting data belong to the channel, data of the PLC interface and outputs to all channels;
+//! inputs are 0 unless a macro of the machine answers. Of the data of tools only those are kept that change no path.
+//! *Invariants:* nothing that would move an axis is kept here, so that it is reported instead of ignored; the number of
+//! kept values is bounded.
 
 use rustc_hash::FxHashMap;
 

@@ -1,8 +1,9 @@
 //! Data of tools beyond those of the machine's macros: the position of the edge, and wear.
 //!
-//! Facts: list of system variables: `$TC_DP12` and `$TC_DP13` are the wear of lengths 1 and 2, `$TC_DP15` that of the radius; length and
-//! radius in force include it, as do `$P_TOOLL`, `$P_TOOLR` and `$P_AD`. Along which axes the lengths are says the machine: its
-//! identification macro answers `$P_SCLENGTHS`. *Invariant:* a wear that the machine has no axis for is unknown, so that it is reported.
+//! Facts: list of system variables: `$TC_DP12` and `$TC_DP13` are the wear of lengths 1 and 2, `$TC_DP15` that of the
+//! radius; length and radius in force include it, as do `$P_TOOLL`, `$P_TOOLR` and `$P_AD`. Along which axes the
+//! lengths are says the machine: its identification macro answers `$P_SCLENGTHS`. *Invariant:* a wear that the machine
+//! has no axis for is unknown, so that it is reported.
 
 use super::evaluate::number;
 use super::expression::Name;

@@ -1,7 +1,7 @@
 //! Values of the control and their types.
 //!
-//! Facts: reference control-emulator.md 5.4; the control's types INT REAL BOOL CHAR STRING AXIS FRAME. Invariant: a REAL
-//! is finite, an INT fits into 32 bits once it is stored.
+//! Facts: reference control-emulator.md 5.4; the control's types INT REAL BOOL CHAR STRING AXIS FRAME. Invariant: a
+//! REAL is finite, an INT fits into 32 bits once it is stored.
 
 use counterpoint_lang::value::Value;
 

@@ -1,7 +1,7 @@
 //! Clamps of axes, and whole turns that are taken off rotary axes.
 //!
-//! Facts: reference control-emulator.md 3.2, 6.1, 6.3. Invariant: `Place::clamped` is zero unless an axis is clamped, so
-//! a motion only looks at that. Decision: a move of a clamped axis is reported and made nevertheless.
+//! Facts: reference control-emulator.md 3.2, 6.1, 6.3. Invariant: `Place::clamped` is zero unless an axis is clamped,
+//! so a motion only looks at that. Decision: a move of a clamped axis is reported and made nevertheless.
 
 use crate::act::Act;
 use crate::action::entry::{Entry, entry_of_kind};

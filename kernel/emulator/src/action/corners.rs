@@ -1,7 +1,7 @@
 //! Codes that define the corner at the end of their block.
 //!
-//! Facts: reference okuma-osp.md (G75, G76), heidenhain-cycles.md 2 (M97, M98), programming manuals of Heidenhain controls (M197). *Invariant:* the corner belongs to the move of its
-//! block.
+//! Facts: reference okuma-osp.md (G75, G76), heidenhain-cycles.md 2 (M97, M98), programming manuals of Heidenhain
+//! controls (M197). *Invariant:* the corner belongs to the move of its block.
 
 use counterpoint_machine::ident::{codes, data};
 

@@ -40,8 +40,8 @@ fn off(act: &mut Act<'_, '_>) -> Acted {
     super::polar::off(act)
 }
 
-/// Switches it on for the linear and the rotary axis that the block names, off without any. The radius is that of the block or the last
-/// one; without a linear axis the block only gives one.
+/// Switches it on for the linear and the rotary axis that the block names, off without any. The radius is that of the
+/// block or the last one; without a linear axis the block only gives one.
 fn map(act: &mut Act<'_, '_>) -> Acted {
     let radius = act.take(data::CYLINDER_RADIUS).map(|datum| datum.value);
     let mut named = |id| act.axis_of_data(id).filter(|_| act.take(id).is_some());
@@ -94,8 +94,8 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
     Ok(())
 }
 
-/// The radius, the rotary axis with the role of its linear axis, and whether words will be coordinates: the radius has a
-/// word of its own, or it is the word of the axis.
+/// The radius, the rotary axis with the role of its linear axis, and whether words will be coordinates: the radius has
+/// a word of its own, or it is the word of the axis.
 type Given = (f64, Option<(AxisSlot, usize)>, bool);
 
 fn radius(act: &mut Act<'_, '_>) -> Option<Given> {

@@ -1,7 +1,8 @@
 //! Texts that are engraved (Haas G47).
 //!
-//! The text is the comment of the block. Its letters are those of [`counterpoint_motion::lettering`]. Facts: the manual of the control; reference
-//! control-emulator.md 5.6 for comments. *Invariant:* a text that cannot be engraved as a whole moves nothing.
+//! The text is the comment of the block. Its letters are those of [`counterpoint_motion::lettering`]. Facts: the manual
+//! of the control; reference control-emulator.md 5.6 for comments. *Invariant:* a text that cannot be engraved as a
+//! whole moves nothing.
 
 use counterpoint_motion::contour::element::Spot;
 use counterpoint_motion::lettering::{self, GAP};

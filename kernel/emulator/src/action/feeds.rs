@@ -1,7 +1,7 @@
 //! Feeds that depend on the way of a move: down along the tool, of rotary axes, at the edge of the tool.
 //!
-//! Facts: reference heidenhain-cycles.md 6 (M103, M109 to M111, M116). *Invariant:* a share of the feed makes a move down slower,
-//! never faster. Decision: arcs round corners outside keep the feed, since the edge stands there.
+//! Facts: reference heidenhain-cycles.md 6 (M103, M109 to M111, M116). *Invariant:* a share of the feed makes a move
+//! down slower, never faster. Decision: arcs round corners outside keep the feed, since the edge stands there.
 
 use crate::act::Act;
 use crate::action::entry::Entry;
@@ -62,7 +62,8 @@ impl Act<'_, '_> {
         Some(full.min(full * share * times))
     }
 
-    /// Feed of the middle of the tool beside an arc; `times`: how many times as large as that of the contour its radius is.
+    /// Feed of the middle of the tool beside an arc; `times`: how many times as large as that of the contour its radius
+    /// is.
     pub(super) fn edge_feed(&self, feed: Option<f64>, unit: FeedUnit, times: f64) -> Option<f64> {
         let counts = match self.state.modal.code(EDGE) {
             Some(codes::FEED_AT_EDGE) => true,

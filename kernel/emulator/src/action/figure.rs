@@ -1,7 +1,8 @@
 //! Copies of a figure: a program is called several times, turned or shifted further each time.
 //!
-//! Facts: Fanuc G72.1 P L X Y R and G72.2 P L I J K; the first copy lies where the program draws it, the n-th is turned by
-//! n − 1 times the angle about an absolute centre. *Invariant:* the machine does not move; the programmed point changes.
+//! Facts: Fanuc G72.1 P L X Y R and G72.2 P L I J K; the first copy lies where the program draws it, the n-th is turned
+//! by n − 1 times the angle about an absolute centre. *Invariant:* the machine does not move; the programmed point
+//! changes.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

@@ -1,9 +1,9 @@
 //! Tool offsets by which the moves of a block are longer or shorter (Fanuc G45 to G48).
 //!
-//! Facts: Mitsubishi M700V programming manual 12.6: the offset acts along each axis of the block, in the direction of its move; a
-//! distance of 0 has the direction of its sign in G91 and none in G90; canned cycles ignore the code. The distances to circle
-//! centres change like those to their ends (examples of the same section). *Invariant:* only the words of the block change,
-//! before its motion takes them.
+//! Facts: Mitsubishi M700V programming manual 12.6: the offset acts along each axis of the block, in the direction of
+//! its move; a distance of 0 has the direction of its sign in G91 and none in G90; canned cycles ignore the code. The
+//! distances to circle centres change like those to their ends (examples of the same section). *Invariant:* only the
+//! words of the block change, before its motion takes them.
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};

@@ -1,7 +1,8 @@
-//! Words of rotary and parallel axes in codes of the local frame: shifts, factors and mirrors of axes other than X, Y and Z.
+//! Words of rotary and parallel axes in codes of the local frame: shifts, factors and mirrors of axes other than X, Y
+//! and Z.
 //!
-//! Decisions: docs/emulation.md, "Local coordinate system". *Invariant:* a word of the axis that such a code takes never
-//! moves it.
+//! Decisions: docs/emulation.md, "Local coordinate system". *Invariant:* a word of the axis that such a code takes
+//! never moves it.
 
 use counterpoint_lang::format::wildcard_text;
 

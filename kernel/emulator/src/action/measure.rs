@@ -1,7 +1,7 @@
 //! Automatic measuring of a tool (Fanuc G37, G36 of lathes; Mitsubishi G37).
 //!
-//! The tool moves to the position at which the program expects the measuring device. *Invariant:* there is no device here, so its
-//! signal comes at the expected position: offsets do not change, and a warning says so.
+//! The tool moves to the position at which the program expects the measuring device. *Invariant:* there is no device
+//! here, so its signal comes at the expected position: offsets do not change, and a warning says so.
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};

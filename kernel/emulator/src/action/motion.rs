@@ -33,7 +33,8 @@ pub(super) fn rapid(act: &mut Act<'_, '_>) -> Acted {
     act.straight_move((coded, target), |act, coded, target| act.rapid_within(coded, target, feed))
 }
 
-/// Positioning that approaches its end from a fixed direction: past the end and back, along axes with an overshoot distance.
+/// Positioning that approaches its end from a fixed direction: past the end and back, along axes with an overshoot
+/// distance.
 fn one_way(act: &mut Act<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
     if coded == 0 {

@@ -1,8 +1,8 @@
 //! Offset numbers without their codes, and places where length compensation ends.
 //!
-//! On controls of the Fanuc kind the number belongs to its word: H under G43 or G44 and D under G41 or G42 select another offset
-//! in a block without the code. Facts: B-63844EN/02 14.1.1 and 14.1.2 (H, G28, G30, G53), parameters 5001#6 and 5006#6; Haas
-//! 96-8000, G28. *Invariant:* a word that a code of the block takes is left to that code.
+//! On controls of the Fanuc kind the number belongs to its word: H under G43 or G44 and D under G41 or G42 select
+//! another offset in a block without the code. Facts: B-63844EN/02 14.1.1 and 14.1.2 (H, G28, G30, G53), parameters
+//! 5001#6 and 5006#6; Haas 96-8000, G28. *Invariant:* a word that a code of the block takes is left to that code.
 
 use crate::act::Act;
 use crate::state::modal::group;
@@ -11,7 +11,8 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::model::{LengthInMachineFrame, LengthThere};
 
-/// Selects the offsets whose numbers are in the block; `free`: registers whose words no code of the block takes, one bit each.
+/// Selects the offsets whose numbers are in the block; `free`: registers whose words no code of the block takes, one
+/// bit each.
 pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
     let has = |act: &Act<'_, '_>, id| act.has_any(act.registers_of(id) & free);
     if has(act, data::COMP_LENGTH) && act.state.place.in_force.length_sign != 0.0 {
@@ -45,8 +46,9 @@ pub(super) fn put_length(act: &mut Act<'_, '_>, sign: f64, number: u32) {
     act.state.place.in_force.set_length(sign, number);
 }
 
-/// Puts a change of the length into force. On machines where the axis of the tool moves by the change, its next move travels
-/// it, unless a code of the block has the axis words for itself (G28) or gives positions of the machine frame (G53).
+/// Puts a change of the length into force. On machines where the axis of the tool moves by the change, its next move
+/// travels it, unless a code of the block has the axis words for itself (G28) or gives positions of the machine frame
+/// (G53).
 pub(super) fn length_changed(act: &mut Act<'_, '_>) {
     let machine = act.env.machine;
     act.block.flags.travels = machine.compensation.length.moves

@@ -36,7 +36,8 @@ const GEOMETRY: u32 = 10_000;
 /// Highest number of an extended work offset where the machine's tables say none.
 const MOST_EXTENDED: u32 = 300;
 
-/// Kinds whose data follow in blocks of their own up to G11: tool life; parameters, pitch errors and parameters of axes.
+/// Kinds whose data follow in blocks of their own up to G11: tool life; parameters, pitch errors and parameters of
+/// axes.
 const DATA_BLOCKS: [f64; 4] = [3.0, 50.0, 51.0, 52.0];
 
 /// Meaning of L and P of G10: L2 work, L20 extended work, L10 length, L11 or L1 its wear, L12 and L13 radius and its

@@ -155,8 +155,8 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     act.circle_to(&Circle { made, coded, from, to, axes: polar.axes(), turns, feed, unit, screw: None })
 }
 
-/// The words of the centre of a circle, in the order of the plane. A cylinder whose words are those of its axes has none:
-/// its circles have a radius.
+/// The words of the centre of a circle, in the order of the plane. A cylinder whose words are those of its axes has
+/// none: its circles have a radius.
 fn center_words(act: &Act<'_, '_>, polar: &Polar) -> [Option<DataId>; 2] {
     if !polar.is_cylinder() {
         return [Some(data::ARC_CENTER_X), Some(data::ARC_CENTER_Y)];

@@ -2,9 +2,10 @@
 //! tool tip control.
 //!
 //! Facts: reference control-emulator.md 6.8 (both), channel-synchronisation.md 3 (rates); that the slower one counts is
-//! a decision: docs/emulation.md, "Polar interpolation", "Cylindrical interpolation" and "Tool tip control". Invariants: a time never becomes shorter;
-//! it is exact for lines and circles of the part, with the rotary axis at its rate where the feed would ask for more.
-//! The rate at which linear axes follow rotary ones is that of the fastest of some places of the move.
+//! a decision: docs/emulation.md, "Polar interpolation", "Cylindrical interpolation" and "Tool tip control".
+//! Invariants: a time never becomes shorter; it is exact for lines and circles of the part, with the rotary axis at its
+//! rate where the feed would ask for more. The rate at which linear axes follow rotary ones is that of the fastest of
+//! some places of the move.
 
 use counterpoint_machine::index::BySlot;
 use std::f64::consts::TAU;
@@ -84,8 +85,8 @@ fn of_circle(made: &Arc, tight: f64) -> Vec<Piece> {
     all
 }
 
-/// The same for a circle on a cylinder, with ways round it instead of degrees. `round`: which coordinate is the way round;
-/// `share`: part of the feed that the axis makes at its rate.
+/// The same for a circle on a cylinder, with ways round it instead of degrees. `round`: which coordinate is the way
+/// round; `share`: part of the feed that the axis makes at its rate.
 fn on_cylinder(made: &Arc, round: usize, share: f64) -> Vec<Piece> {
     let Arc { radius, start_angle, sweep, .. } = *made;
     // Where the tangent has its share of the way round, and where that changes its sign.

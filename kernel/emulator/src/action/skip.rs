@@ -1,7 +1,8 @@
 //! Probing moves: straight feed that a touch would end.
 //!
-//! Facts: reference control-emulator.md 6.1, system-variables.md 12. *Invariant:* there is no model here, so nothing is ever
-//! touched: every probing move ends at its end point and counts as missed; the alarm mode decides whether that is reported.
+//! Facts: reference control-emulator.md 6.1, system-variables.md 12. *Invariant:* there is no model here, so nothing is
+//! ever touched: every probing move ends at its end point and counts as missed; the alarm mode decides whether that is
+//! reported.
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};

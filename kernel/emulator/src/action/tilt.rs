@@ -1,7 +1,7 @@
 //! Tilted planes: where they lie, and how the rotary axes turn into them.
 //!
-//! Facts: reference heidenhain-cycles.md 6, siemens-cycles.md 2; Fanuc G68.2 and G53.1. *Invariant:* a block that says no
-//! plane makes none. Decisions: docs/emulation.md, "Tilted planes".
+//! Facts: reference heidenhain-cycles.md 6, siemens-cycles.md 2; Fanuc G68.2 and G53.1. *Invariant:* a block that says
+//! no plane makes none. Decisions: docs/emulation.md, "Tilted planes".
 
 use counterpoint_lang::format::wildcard_text;
 

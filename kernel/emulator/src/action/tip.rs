@@ -115,8 +115,8 @@ fn direction(format: u8, [a, b, c]: Point, tip: Point) -> Option<Point> {
 }
 
 impl Act<'_, '_> {
-    /// A straight move to a target in the work frame, made by `go`. Where only the ends of moves are those of the tip, one that
-    /// turns rotary axes is a move of the axes; linear axes without any word of theirs stand.
+    /// A straight move to a target in the work frame, made by `go`. Where only the ends of moves are those of the tip,
+    /// one that turns rotary axes is a move of the axes; linear axes without any word of theirs stand.
     #[inline(always)]
     pub(super) fn straight_move(
         &mut self,
@@ -158,7 +158,8 @@ impl Act<'_, '_> {
         done
     }
 
-    /// Takes the words of the orientation and turns the rotary axes of a move; `coded` and the target in the work frame.
+    /// Takes the words of the orientation and turns the rotary axes of a move; `coded` and the target in the work
+    /// frame.
     #[cold]
     pub(super) fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
         let format = self.state.others.tip.format;

@@ -26,7 +26,8 @@ pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
 
 /// Loads a tool, or changes only its offset when it is the one in use.
 pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
-    // Tool 0 empties the spindle. If the word has an offset number, T0000 cancels the offset and the turret does not turn.
+    // Tool 0 empties the spindle. If the word has an offset number, T0000 cancels the offset and the turret does not
+    // turn.
     let empties = act.env.machine.tool.offset_digits == 0;
     let (tool, offset) = match tool_word(act) {
         Some(word) => split(act, word),

@@ -58,8 +58,8 @@ fn sides(map: &Affine, plane: Plane) -> Option<Sides> {
     same.then_some(Sides { first, second, scale: one.sqrt() })
 }
 
-/// A circle of the program on the part of polar interpolation, whose plane is that of X and Y; none if it is not a circle
-/// there.
+/// A circle of the program on the part of polar interpolation, whose plane is that of X and Y; none if it is not a
+/// circle there.
 pub(super) fn on_part(map: &Affine, made: geometry::Arc, level: f64) -> Option<geometry::Arc> {
     if *map == Affine::SAME {
         return Some(made);

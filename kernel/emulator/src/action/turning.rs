@@ -1,8 +1,8 @@
 //! Absolute words of rotary axes that are angles: the shorter way, or the direction of the sign.
 //!
-//! Facts: reference control-emulator.md 1.5 (rotary axes #n11.10, #n11.20), heidenhain-cycles.md 6 (M126, M127). Decisions: half a turn goes to the positive
-//! side; zero has the positive sign; a word of the angle at which the axis stands does not turn it. Positions continue
-//! beyond 360 degrees, codes that unwind bring them back.
+//! Facts: reference control-emulator.md 1.5 (rotary axes #n11.10, #n11.20), heidenhain-cycles.md 6 (M126, M127).
+//! Decisions: half a turn goes to the positive side; zero has the positive sign; a word of the angle at which the axis
+//! stands does not turn it. Positions continue beyond 360 degrees, codes that unwind bring them back.
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};

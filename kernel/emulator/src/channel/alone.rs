@@ -1,7 +1,8 @@
-//! Synchronous control commanded by one channel alone: it takes effect in the other channel at the next barrier of both.
+//! Synchronous control commanded by one channel alone: it takes effect in the other channel at the next barrier of
+//! both.
 //!
-//! Facts: Fanuc programs command G51.4 and G50.4 in one path, between waiting codes of both. *Invariant:* the news that a channel
-//! receives depends only on the order of shared operations, and so on simulated time.
+//! Facts: Fanuc programs command G51.4 and G50.4 in one path, between waiting codes of both. *Invariant:* the news that
+//! a channel receives depends only on the order of shared operations, and so on simulated time.
 
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_sync::shared::Alone;
@@ -35,7 +36,8 @@ impl Kernel<'_> {
         words
     }
 
-    /// Couples an axis of this channel with an axis of another channel and notifies that channel. For a coupled pair, changes parking.
+    /// Couples an axis of this channel with an axis of another channel and notifies that channel. For a coupled pair,
+    /// changes parking.
     pub(crate) fn couple_alone(&mut self, pair: Pair, parking: Parking) -> Acted {
         self.flush_lookahead()?;
         self.end_own(&pair);

@@ -1,7 +1,7 @@
 //! Kernel state that survives a restart of the machine with another file.
 //!
-//! Facts: reference control-emulator.md 5.8. *Invariant:* only a kernel whose program came to its end is carried on, and
-//! only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels
+//! Facts: reference control-emulator.md 5.8. *Invariant:* only a kernel whose program came to its end is carried on,
+//! and only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels
 //! (clock of the coordinator, waits, streams) begins again.
 
 use std::sync::Arc;

@@ -46,8 +46,8 @@ impl Kernel<'_> {
         Some(Datum { value, incremental: false, absolute: false, raw: handed.raw })
     }
 
-    /// A value handed over by its row: value, factor of its unit, whether it is remembered. Reports a value outside the row's
-    /// range.
+    /// A value handed over by its row: value, factor of its unit, whether it is remembered. Reports a value outside the
+    /// row's range.
     #[cold]
     pub(crate) fn accept(&mut self, handed: Handed) -> (f64, f64, bool) {
         let Some(at) = handed.row else {
@@ -162,8 +162,8 @@ impl Kernel<'_> {
         (raw * increments * source.mul + source.add, dimension)
     }
 
-    /// Increments that one of a word is, and the dimension that it then has: with a decimal point it is a length (reference
-    /// turning-cycles.md 1).
+    /// Increments that one of a word is, and the dimension that it then has: with a decimal point it is a length
+    /// (reference turning-cycles.md 1).
     #[cold]
     fn counting(&self, word: &Word) -> (f64, Dimension) {
         let text = self.text_bytes();

@@ -1,8 +1,10 @@
-//! Blocks that only lead the flow of the program on, kept by line: a call by number, a return, a head without anything else.
+//! Blocks that only lead the flow of the program on, kept by line: a call by number, a return, a head without anything
+//! else.
 //!
-//! Such a block that comes again does the same without its text. *Invariant:* a block is kept only if nothing but where the
-//! program continues depended on it: it has no words besides those of the call, no message, no mark of optional skip; it is
-//! used only where nothing acts that each block may meet (a modal call, a code that acts again, paths beside a contour).
+//! Such a block that comes again does the same without its text. *Invariant:* a block is kept only if nothing but where
+//! the program continues depended on it: it has no words besides those of the call, no message, no mark of optional
+//! skip; it is used only where nothing acts that each block may meet (a modal call, a code that acts again, paths
+//! beside a contour).
 
 use super::Kernel;
 use super::actions::Actions;
@@ -115,8 +117,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// The text is the number of a program, at most with a comment behind it. Words that are not there any more may have
-    /// done anything.
+    /// The text is the number of a program, at most with a comment behind it. Words that are not there any more may
+    /// have done anything.
     fn is_head_alone(&self, text: &[u8]) -> bool {
         let [word] = self.channel.block.words.as_slice() else { return false };
         let before = text.get(..word.start as usize).unwrap_or_default();

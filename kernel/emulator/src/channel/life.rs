@@ -93,8 +93,8 @@ impl Kernel<'_> {
         }
         (self.channel.at.clock, self.channel.at.micro) = (tag.t, tag.micro);
         if !self.flow.frames.is_empty() {
-            // A start begins with the codes of a reset and without local frames, regardless of the state at the end of the
-            // program before; the tool and its offsets stay.
+            // A start begins with the codes of a reset and without local frames, regardless of the state at the end of
+            // the program before; the tool and its offsets stay.
             let number = self.channel.state.remembered.value(data::COMP_DIAM);
             self.channel.state.forget_words(self.channel.env.machine);
             if let Some(number) = number {

@@ -204,8 +204,8 @@ impl Kernel<'_> {
         self.in_order(self.channel.at.tag(), operation)
     }
 
-    /// The same for statements, which are read ahead of a waiting move: at the time of its beginning. The path of the move
-    /// does not depend on shared variables.
+    /// The same for statements, which are read ahead of a waiting move: at the time of its beginning. The path of the
+    /// move does not depend on shared variables.
     ///
     /// # Errors
     /// When the job was stopped before.

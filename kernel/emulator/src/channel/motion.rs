@@ -1,6 +1,7 @@
 //! Motions: event, clock, position.
 //!
-//! *Invariant:* after an alarm of its block nothing moves; a motion of a clamped axis is reported and made nevertheless.
+//! *Invariant:* after an alarm of its block nothing moves; a motion of a clamped axis is reported and made
+//! nevertheless.
 
 use counterpoint_fault::Acted;
 use counterpoint_machine::index::BySlot;
@@ -34,8 +35,8 @@ impl Kernel<'_> {
         self.move_to(seconds, motion)
     }
 
-    /// A motion that needs checks: other axes move with it, the working area limits it, or another channel begins at the same
-    /// time.
+    /// A motion that needs checks: other axes move with it, the working area limits it, or another channel begins at
+    /// the same time.
     #[cold]
     #[inline(never)]
     fn travel_attended(&mut self, seconds: f64, motion: &Motion) -> Acted {

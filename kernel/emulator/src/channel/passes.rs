@@ -49,8 +49,8 @@ pub(crate) struct Pass {
 pub(crate) struct Passes {
     /// Something happened since the last jump back that a later pass could see.
     pub(crate) effects: bool,
-    /// An own variable has changed since the last jump back, or a program was called. The same values at the begin and at the
-    /// end of a pass mean the same next pass.
+    /// An own variable has changed since the last jump back, or a program was called. The same values at the begin and
+    /// at the end of a pass mean the same next pass.
     pub(crate) changes: bool,
     /// Shared variables read since the last jump back, by place in the list.
     reads: u64,
@@ -104,8 +104,8 @@ impl Passes {
         !self.effects && !self.changes && self.last().depth == depth && of == file && (first..=last).contains(&line)
     }
 
-    /// The usual jump back: that of the last loop again, which reads nothing that is shared. Whether time has passed since its
-    /// last one; its next pass begins with [`begin`](Self::begin).
+    /// The usual jump back: that of the last loop again, which reads nothing that is shared. Whether time has passed
+    /// since its last one; its next pass begins with [`begin`](Self::begin).
     fn again(&mut self, key: Key, depth: usize, clock: i64) -> Option<bool> {
         let pass = self.loops.last()?;
         if self.reads != 0 || pass.reads != 0 || pass.key != key || pass.depth != depth {
@@ -167,8 +167,8 @@ impl Passes {
 }
 
 impl Kernel<'_> {
-    /// Counts a pass of the loop from `target` to `from` in the current program. A pass that took no time costs a tick, and
-    /// a loop that only polls is hopeless once no channel is left to change the variables that it reads.
+    /// Counts a pass of the loop from `target` to `from` in the current program. A pass that took no time costs a tick,
+    /// and a loop that only polls is hopeless once no channel is left to change the variables that it reads.
     ///
     /// # Errors
     /// When the loop is hopeless.

@@ -60,7 +60,8 @@ pub(crate) struct Registers {
     pub(crate) head_sequences: [Option<RegisterId>; 2],
     /// Those whose words can move an axis or shape an arc, bit by register.
     pub(crate) motion: u128,
-    /// Those whose words make corners and directions of lines, bit by register; in blocks with an arc those of arcs do not.
+    /// Those whose words make corners and directions of lines, bit by register; in blocks with an arc those of arcs do
+    /// not.
     pub(crate) contour: Contour,
     /// Those whose words are data for any value, one bit per register.
     pub(crate) only_data: u128,
@@ -322,7 +323,8 @@ fn offsets(machine: &Machine, numbers: &[DataId]) -> u128 {
     registers.fold(0, |bits, register| bits | register.bit())
 }
 
-/// Registers of offset numbers whose words the action of a code may take; all for custom codes, whose words are not known.
+/// Registers of offset numbers whose words the action of a code may take; all for custom codes, whose words are not
+/// known.
 fn number_takers(machine: &Machine) -> Table<CodeRowId, u128> {
     let offsets = if machine.compensation.numbers_alone { offsets(machine, &OFFSET_NUMBERS) } else { 0 };
     let rows = machine.data.iter().filter(|row| row.enable);
@@ -356,8 +358,8 @@ pub(crate) struct Source {
     pub(crate) min: f64,
     pub(crate) max: f64,
     pub(crate) dimension: Dimension,
-    /// Value of one increment of a number without a point in primary and secondary units, if it is not one in the last digit of
-    /// the register.
+    /// Value of one increment of a number without a point in primary and secondary units, if it is not one in the last
+    /// digit of the register.
     pub(crate) one: Option<[f64; 2]>,
     /// A position of X, which may be programmed as a diameter or as a radius.
     pub(crate) diameter_x: bool,
@@ -404,8 +406,8 @@ fn sources(machine: &Machine, diameter_x: &[DataId]) -> Table<DataId, Vec<Source
     machine.tables.rows_of_data.map(|_, rows| rows.iter().filter_map(source).collect())
 }
 
-/// One of a number without a point for a row whose register counts least increments: words with a factor of their own and
-/// plain numbers are as written, and the unit of angles and times does not change with that of lengths.
+/// One of a number without a point for a row whose register counts least increments: words with a factor of their own
+/// and plain numbers are as written, and the unit of angles and times does not change with that of lengths.
 fn one(machine: &Machine, row: &DataRow) -> Option<[f64; 2]> {
     if row.increment.is_some() {
         return row.increment;

@@ -1,9 +1,9 @@
 //! Diagnostics of a kernel, and the effect of those that are alarms of the control.
 //!
-//! Facts: reference control-emulator.md 7.5 (the emulated system continues in all cases until an end code). Decision: a real
-//! control stops at its alarms; which of the two a machine does is data of its own (`[control] stops`, `stops` of a number).
-//! Invariants: a diagnostic that stops the channel is in the log even if macros have switched it off; a job with an
-//! alarm never counts as succeeded, however low the severity of the alarm is.
+//! Facts: reference control-emulator.md 7.5 (the emulated system continues in all cases until an end code). Decision: a
+//! real control stops at its alarms; which of the two a machine does is data of its own (`[control] stops`, `stops` of
+//! a number). Invariants: a diagnostic that stops the channel is in the log even if macros have switched it off; a job
+//! with an alarm never counts as succeeded, however low the severity of the alarm is.
 
 use super::Kernel;
 use crate::state::alarms::Alarms;
@@ -135,8 +135,8 @@ impl Kernel<'_> {
         self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 
-    /// Text of the current block, for messages: at most 60 characters. Codes that a macro executes without a text of their own
-    /// belong to the block of the program.
+    /// Text of the current block, for messages: at most 60 characters. Codes that a macro executes without a text of
+    /// their own belong to the block of the program.
     pub(crate) fn block_text(&self) -> String {
         match self.macros.block.text.as_ref().filter(|text| !text.trim().is_empty()) {
             Some(text) => counterpoint_event::info::cut(text, 60),

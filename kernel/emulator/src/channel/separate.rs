@@ -1,4 +1,5 @@
-//! Separate common variables of channels: those that a channel reads or polls in vain while another channel writes them.
+//! Separate common variables of channels: those that a channel reads or polls in vain while another channel writes
+//! them.
 //!
 //! *Invariant:* a report changes nothing; programs are searched only when a channel has reached its end or a limit.
 
@@ -14,7 +15,8 @@ const MOST_IN_VAIN: usize = 20;
 const MOST_LINES: u32 = 200;
 
 impl Kernel<'_> {
-    /// Reports at the end of the channel the variables that one channel has read in vain and only another channel has written.
+    /// Reports at the end of the channel the variables that one channel has read in vain and only another channel has
+    /// written.
     pub(super) fn report_separate(&mut self) {
         let uses = std::mem::take(&mut self.dialect.variables.uses);
         if uses.is_empty() {

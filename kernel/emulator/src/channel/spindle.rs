@@ -1,8 +1,8 @@
 //! The spindle of a channel: its commands, its rotation, and its state for other channels.
 //!
-//! Facts: reference channel-synchronisation.md 1.9 (a spindle that several channels command: the last writer in tag order
-//! wins, with a warning when no sync point lies between). *Invariant:* a shared spindle is reached only through shared
-//! operations; an own one is plain state of the channel.
+//! Facts: reference channel-synchronisation.md 1.9 (a spindle that several channels command: the last writer in tag
+//! order wins, with a warning when no sync point lies between). *Invariant:* a shared spindle is reached only through
+//! shared operations; an own one is plain state of the channel.
 
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::surface_speed::Speed;

@@ -1,8 +1,8 @@
 //! Places where an operator may stop a kernel: before a block, at a wait, after a write of a variable that channels
 //! share.
 //!
-//! *Invariant:* nothing here changes the next action of the kernel, except a reset; a kernel without stepping never gets
-//! here.
+//! *Invariant:* nothing here changes the next action of the kernel, except a reset; a kernel without stepping never
+//! gets here.
 
 use counterpoint_fault::{self as diag, Acted, Halt};
 use counterpoint_lang::value::Value;
@@ -18,7 +18,8 @@ use super::access::Door;
 const MOST: usize = 1000;
 
 impl Kernel<'_> {
-    /// The job is to end, is suspended, or is stepped through. `goes_on`: the job has not been stopped before this block.
+    /// The job is to end, is suspended, or is stepped through. `goes_on`: the job has not been stopped before this
+    /// block.
     #[cold]
     #[inline(never)]
     pub(crate) fn interfered(&mut self, goes_on: bool) -> Acted {
@@ -111,7 +112,8 @@ impl Kernel<'_> {
     }
 }
 
-/// Variables that all channels share and that have a value: numbered ones, named ones, GLOBALs of macros by their names.
+/// Variables that all channels share and that have a value: numbered ones, named ones, GLOBALs of macros by their
+/// names.
 pub fn common(shared: &Shared, globals: &[String]) -> Vec<(String, Shown)> {
     let mut numbers: Vec<_> = shared.variables.iter().map(|(number, value)| (*number, *value)).collect();
     numbers.sort_unstable_by_key(|(number, _)| *number);

@@ -1,8 +1,8 @@
 //! System variables of the machine's rows: their values, and the effect of setting them.
 //!
-//! Lengths and positions are in the units of the program. An offset that a program sets acts at once, and the machine does not
-//! move. Facts: reference fanuc-variables-and-alarms.md 1.3 to 1.6. *Invariant:* reading changes no value; nothing here
-//! depends on the clock of the computer.
+//! Lengths and positions are in the units of the program. An offset that a program sets acts at once, and the machine
+//! does not move. Facts: reference fanuc-variables-and-alarms.md 1.3 to 1.6. *Invariant:* reading changes no value;
+//! nothing here depends on the clock of the computer.
 
 use rustc_hash::FxHashMap;
 

@@ -1,7 +1,7 @@
 //! Limits of travel and of the working area: checks the ends of moves, and the extent of circles between their ends.
 //!
-//! *Invariant:* a block is reported once; a straight move is within the limits where both its ends are. Circles in the face plane of
-//! polar interpolation are checked at their ends only, those on a cylinder along its axis too.
+//! *Invariant:* a block is reported once; a straight move is within the limits where both its ends are. Circles in the
+//! face plane of polar interpolation are checked at their ends only, those on a cylinder along its axis too.
 
 use counterpoint_event::event::{Motion, MotionKind, Position};
 use counterpoint_fault as diag;
@@ -37,8 +37,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// If the limit is an alarm, a motion beyond it stops the channel before it begins; a motion beyond a limit of the program
-    /// always stops the channel.
+    /// If the limit is an alarm, a motion beyond it stops the channel before it begins; a motion beyond a limit of the
+    /// program always stops the channel.
     #[inline(always)]
     pub(super) fn check_travel_before(&mut self, motion: &Motion) -> Acted {
         if self.channel.state.place.layout.bounds.limited {
@@ -166,7 +166,8 @@ impl Kernel<'_> {
         self.report_over_travel(over);
     }
 
-    /// Reports a circle that is straight for its axes and turns one of them back beyond its limits, at `values` in radius.
+    /// Reports a circle that is straight for its axes and turns one of them back beyond its limits, at `values` in
+    /// radius.
     #[cold]
     pub(crate) fn check_swing(&mut self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2]) -> Acted {
         if self.channel.state.place.layout.bounds.limited && self.beyond(to, NOISE, Limits::Travel).is_none() {
@@ -212,7 +213,8 @@ impl Kernel<'_> {
         })
     }
 
-    /// A circle in a plane. Its end may be off the circle by the tolerance of the machine, so the places between may be, too.
+    /// A circle in a plane. Its end may be off the circle by the tolerance of the machine, so the places between may
+    /// be, too.
     fn swings_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
         let (axes, made, scales) = self.round(motion)?;
         let to = [motion.to.at(axes[0]) * scales[0], motion.to.at(axes[1]) * scales[1]];

@@ -83,8 +83,8 @@ impl Kernel<'_> {
         spans.map(text).collect()
     }
 
-    /// Reports the unrecognised parts of the block that are not in `known`, without stopping the channel; `computed`: the
-    /// block may have the words that its codes need.
+    /// Reports the unrecognised parts of the block that are not in `known`, without stopping the channel; `computed`:
+    /// the block may have the words that its codes need.
     #[cold]
     pub(crate) fn report_unknown_parts(&mut self, known: &mut FxHashSet<String>, computed: bool) {
         let stopping = self.channel.reports.alarms.stopping;

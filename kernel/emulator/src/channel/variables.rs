@@ -29,8 +29,8 @@ pub(crate) struct ChannelVariables {
     pub(super) uses: Uses,
     /// Variables without a value, and variables that do not exist, are 0.
     pub(super) reads_zero: bool,
-    /// System variables that programs write keep their values; otherwise the identification macro is asked where to write
-    /// them.
+    /// System variables that programs write keep their values; otherwise the identification macro is asked where to
+    /// write them.
     pub(super) keeps_system: bool,
     /// Those values.
     kept: FxHashMap<u32, f64>,

@@ -137,8 +137,8 @@ impl Kernel<'_> {
 }
 
 impl Kernel<'_> {
-    /// Reports once in a lint that the outcome of a wait depends on which channel comes first (`first`). Later waits of such
-    /// channels are not checked, unless they are at one barrier with lists that never match.
+    /// Reports once in a lint that the outcome of a wait depends on which channel comes first (`first`). Later waits of
+    /// such channels are not checked, unless they are at one barrier with lists that never match.
     fn note_order(&mut self, first: bool, primitive: Option<Primitive>) -> Acted {
         if !first || !self.channel.env.options.lint {
             return Ok(());
@@ -198,7 +198,8 @@ fn arrival(kernel: &mut Kernel<'_>, wait: wait::Wait) -> (Waiting, Finish) {
 }
 
 impl Kernel<'_> {
-    /// Arrives when the path would have to brake, ns: if the others are there by then, it continues; otherwise it stops and waits.
+    /// Arrives when the path would have to brake, ns: if the others are there by then, it continues; otherwise it stops
+    /// and waits.
     #[cold]
     #[inline(never)]
     fn wait_in_motion(&mut self, wait: wait::Wait, brakes: i64) -> Acted {

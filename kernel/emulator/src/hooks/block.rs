@@ -1,7 +1,7 @@
 //! Hooks around the text of a block: embedded code, macros of the pre-processor and of the block.
 //!
-//! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro that
-//! asks for it; it is split into words again only if a macro has changed it.
+//! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro
+//! that asks for it; it is split into words again only if a macro has changed it.
 
 use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
@@ -87,7 +87,8 @@ impl Kernel<'_> {
         self.macros.block.mark = level;
     }
 
-    /// Pre-Processor Shutdown for words that the pre-processor made: they become text if a macro or embedded code sees them.
+    /// Pre-Processor Shutdown for words that the pre-processor made: they become text if a macro or embedded code sees
+    /// them.
     pub(crate) fn words_as_text(&mut self) -> Acted {
         self.macros.block.made = true;
         let wanted = [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.hook(hook).is_some());

@@ -1,7 +1,7 @@
 //! Hooks around the codes of a block: code macros before built-in actions, data macros on every value taken.
 //!
-//! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs cannot be selected again; a code counts as
-//! acting (and modal) before its macro runs; codes that macros add act on this block, by their order.
+//! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs cannot be selected again; a code counts
+//! as acting (and modal) before its macro runs; codes that macros add act on this block, by their order.
 
 use counterpoint_lang::value::Value;
 use counterpoint_machine::ident::kind::data::DataKind;

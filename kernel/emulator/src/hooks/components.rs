@@ -74,8 +74,8 @@ impl Kernel<'_> {
         self.plain_macro(Hook::ProgramStartup)
     }
 
-    /// Variables, loops and interpreter of the new pre-processor, if it is another one; it reads the texts of the programs that run
-    /// in its own way.
+    /// Variables, loops and interpreter of the new pre-processor, if it is another one; it reads the texts of the
+    /// programs that run in its own way.
     fn take_preprocessor(&mut self, before: &Machine) -> Acted {
         let machine = self.channel.env.machine;
         if machine.preprocessor == before.preprocessor {
@@ -116,8 +116,8 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Subprograms that have returned while another pre-processor worked take their variables with them; those that it has called
-    /// begin without any.
+    /// Subprograms that have returned while another pre-processor worked take their variables with them; those that it
+    /// has called begin without any.
     fn follow_levels(&mut self, before: &[bool], now: &[bool]) {
         for own_variables in before.iter().skip(now.len()).rev() {
             if *own_variables {

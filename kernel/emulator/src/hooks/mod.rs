@@ -1,6 +1,7 @@
 //! The steps of machine macros in the processing of a block, its codes, its events and its program.
 //!
-//! *Invariant:* the kernel reaches these functions through [`POINTS`] of its plan, so that nothing below depends on them.
+//! *Invariant:* the kernel reaches these functions through [`POINTS`] of its plan, so that nothing below depends on
+//! them.
 
 mod block;
 mod codes;

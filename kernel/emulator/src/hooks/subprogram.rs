@@ -1,9 +1,10 @@
 //! Subprogram startup and shutdown macros, once for each pass, and calls and returns inside macros.
 //!
 //! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers or
-//! labels in `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the number
-//! or name of the program, `$P10` counts lines before the program, so that 0 is the top of the file, and `$P9` is the
-//! file of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of the job.
+//! labels in `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the number or
+//! name of the program, `$P10` counts lines before the program, so that 0 is the top of the file, and `$P9` is the file
+//! of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of
+//! the job.
 
 use counterpoint_fault::{Acted, Halt};
 

@@ -111,8 +111,8 @@ impl Kernel<'_> {
             || self.channel.acting.as_data.is_some_and(|handed| handed.id == id)
     }
 
-    /// `$FCEGET`: takes a code or data off the block. Data pass the columns of their row; the data macros of those that no
-    /// built-in action takes run, since nothing else obtains them.
+    /// `$FCEGET`: takes a code or data off the block. Data pass the columns of their row; the data macros of those that
+    /// no built-in action takes run, since nothing else obtains them.
     pub(crate) fn take_item(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
         match self.named_item(arguments)? {
             Some(Item::Code(id)) => {

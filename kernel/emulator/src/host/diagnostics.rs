@@ -43,7 +43,8 @@ impl Kernel<'_> {
         Some((severity, text.to_owned()))
     }
 
-    /// Severity and text of a number on this machine, which may change those of the product and have numbers of its own.
+    /// Severity and text of a number on this machine, which may change those of the product and have numbers of its
+    /// own.
     fn entry(&self, number: u32) -> Option<(u8, &str)> {
         let rule = self.channel.env.machine.diagnostics.rule(number);
         let known = shipped(number);

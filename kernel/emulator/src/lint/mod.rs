@@ -1,5 +1,5 @@
-//! A program is followed without being executed: its calls, its jumps and its acts for other channels, so that its waits can
-//! be judged before anything moves.
+//! A program is followed without being executed: its calls, its jumps and its acts for other channels, so that its
+//! waits can be judged before anything moves.
 //!
 //! Words between channels, calls and ends act as in a run; nothing else does, and no variable has a value. If only a
 //! run could decide how the program continues, the channel is checked no further, and the place and the reason are
@@ -179,8 +179,8 @@ impl Walk<'_, '_> {
         self.kernel.follow()
     }
 
-    /// Continues at a block of the program. A place where the program has been with the same callers is one of a loop without
-    /// end.
+    /// Continues at a block of the program. A place where the program has been with the same callers is one of a loop
+    /// without end.
     fn jump(&mut self, target: Spot) -> Acted {
         let Some(frame) = self.kernel.frame() else { return Ok(()) };
         let back = target < frame.next_block();

@@ -1,6 +1,7 @@
 //! Steps of blocks that are more than plain words: statements between channels, calls, jumps.
 //!
-//! *Invariant:* a statement between channels acts by the services of a run, with the arguments that stand in the program.
+//! *Invariant:* a statement between channels acts by the services of a run, with the arguments that stand in the
+//! program.
 
 use std::sync::Arc;
 

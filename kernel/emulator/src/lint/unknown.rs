@@ -1,7 +1,7 @@
 //! Words that the machine does not have.
 //!
-//! *Invariant:* each word is reported once per channel, at the first block that has it, and never ends the walk: one look at a
-//! program shows all of them.
+//! *Invariant:* each word is reported once per channel, at the first block that has it, and never ends the walk: one
+//! look at a program shows all of them.
 
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
@@ -69,8 +69,8 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Reports the unknown words of the block whose words have been categorised. Macros of the machine that see whole blocks
-    /// may know more words than its tables, and so may another component of a composite machine.
+    /// Reports the unknown words of the block whose words have been categorised. Macros of the machine that see whole
+    /// blocks may know more words than its tables, and so may another component of a composite machine.
     pub(super) fn report_unknown(&mut self, certain: Certain) {
         let kernel = &mut *self.kernel;
         let has = |hook| kernel.channel.env.machine.macros.as_ref().is_some_and(|macros| macros.hook(hook).is_some());

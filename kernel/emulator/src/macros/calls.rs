@@ -1,8 +1,8 @@
 //! Running macros: the state of the machine that runs them, the running macros, and their work at OUTPUT.
 //!
-//! *Invariant:* a macro that runs cannot be selected again until it has ended. While a macro runs, its state lies with the
-//! machine that runs it, and a call back into the kernel puts it here first. Facts: reference
-//! control-emulator.md 4, macro-language.md 7.
+//! *Invariant:* a macro that runs cannot be selected again until it has ended. While a macro runs, its state lies with
+//! the machine that runs it, and a call back into the kernel puts it here first. Facts: reference control-emulator.md
+//! 4, macro-language.md 7.
 
 use std::sync::Arc;
 
@@ -159,8 +159,8 @@ impl Calls {
         limit
     }
 
-    /// Takes the state of the language's machine (open units, variables); none while it lies with a running macro. It is to
-    /// be [put back](Self::put_state).
+    /// Takes the state of the language's machine (open units, variables); none while it lies with a running macro. It
+    /// is to be [put back](Self::put_state).
     pub(crate) fn take_state(&mut self) -> Option<Box<State>> {
         self.state.take()
     }

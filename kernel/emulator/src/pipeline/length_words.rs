@@ -1,8 +1,9 @@
 //! Stage *codes*, on machines where an axis moves by a change of the length: adds the move of that axis.
 //!
-//! Facts: parameter 5006#6 of Fanuc controls at 0; B-63844EN/02 14.1.1 (a block without the axis moves it by the offset).
-//! Decisions: docs/emulation.md, "Offsets". *Invariant:* a programmed word for the axis does not change; without such a
-//! word a block that positions or cuts straight gets a distance of 0, to which the change of the length is added.
+//! Facts: parameter 5006#6 of Fanuc controls at 0; B-63844EN/02 14.1.1 (a block without the axis moves it by the
+//! offset). Decisions: docs/emulation.md, "Offsets". *Invariant:* a programmed word for the axis does not change;
+//! without such a word a block that positions or cuts straight gets a distance of 0, to which the change of the length
+//! is added.
 
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{codes, data};

@@ -1,7 +1,7 @@
 //! Comments over several lines, on machines that have them.
 //!
-//! Facts: programs of Citizen lathes put whole parts of a program in brackets. *Invariant:* nothing between the begin of a comment
-//! and its end acts.
+//! Facts: programs of Citizen lathes put whole parts of a program in brackets. *Invariant:* nothing between the begin
+//! of a comment and its end acts.
 
 use crate::channel::Kernel;
 use counterpoint_fault as diag;
@@ -9,8 +9,8 @@ use counterpoint_fault::Acted;
 use counterpoint_program::source::Source;
 
 impl Kernel<'_> {
-    /// Where a comment of this block, the last of its line, is not closed, reading continues after its end in a later line;
-    /// without an end all of the program that follows is comment.
+    /// Where a comment of this block, the last of its line, is not closed, reading continues after its end in a later
+    /// line; without an end all of the program that follows is comment.
     ///
     /// # Errors
     /// The job is to end.

@@ -1,4 +1,5 @@
-//! Axis words that belong to a code of their block: words that the code does not take are reported, and no motion code gets them.
+//! Axis words that belong to a code of their block: words that the code does not take are reported, and no motion code
+//! gets them.
 //!
 //! *Invariant:* after a code that owns the axis words of its block, the block has no word of an axis of the channel.
 

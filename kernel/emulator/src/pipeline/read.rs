@@ -151,7 +151,8 @@ impl Kernel<'_> {
         text.get(..end)
     }
 
-    /// A block at the end of whose line the tape ends; more text is reported, as that behind a rewind-stop of its own line.
+    /// A block at the end of whose line the tape ends; more text is reported, as that behind a rewind-stop of its own
+    /// line.
     #[cold]
     fn last_of_tape(&mut self, block: &[u8], (file, line): (FileId, u32)) -> Acted {
         // A part of its line, so nothing is kept for the line.

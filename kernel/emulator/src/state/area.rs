@@ -1,8 +1,8 @@
 //! The working area of a program: limits of axes below those of travel.
 //!
-//! Facts: programming manual of the 840D, "Working area limitation (G25/G26, WALIMON, WALIMOF)": limits are positions in the
-//! basic coordinate system, that is without frames, and hold for the tip of the tool; setting data enable them for each axis
-//! and direction. *Invariant:* without an enabled limit there is no working area.
+//! Facts: programming manual of the 840D, "Working area limitation (G25/G26, WALIMON, WALIMOF)": limits are positions
+//! in the basic coordinate system, that is without frames, and hold for the tip of the tool; setting data enable them
+//! for each axis and direction. *Invariant:* without an enabled limit there is no working area.
 
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::index::AxisSlot;

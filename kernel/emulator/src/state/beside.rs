@@ -1,8 +1,8 @@
 //! Axes that move to a position independently of the path of their block, each at its own rate (Siemens POS).
 //!
-//! Facts: programming manual of the 840D, "Positioning axes (POS, POSA, FA)": every positioning axis has an interpolator and a
-//! feed of its own; a block with POS ends when all axes, those of the path too, have arrived. Decision: the path stops at the
-//! end of such a block. *Invariant:* this state is empty when the next block begins.
+//! Facts: programming manual of the 840D, "Positioning axes (POS, POSA, FA)": every positioning axis has an
+//! interpolator and a feed of its own; a block with POS ends when all axes, those of the path too, have arrived.
+//! Decision: the path stops at the end of such a block. *Invariant:* this state is empty when the next block begins.
 
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_machine::index::{AxisSlot, BySlot};

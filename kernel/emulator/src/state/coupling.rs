@@ -54,7 +54,8 @@ pub(crate) struct Coupling {
     pub(crate) from: f64,
     /// How often both channels have met so.
     pub(crate) meetings: u8,
-    /// While the words of the channel move the other axis: the own one, and where both stood, as [`Axis::moving`] takes it.
+    /// While the words of the channel move the other axis: the own one, and where both stood, as [`Axis::moving`] takes
+    /// it.
     pub(crate) own: Option<(Axis, (f64, f64, f64))>,
 }
 
@@ -80,8 +81,8 @@ pub(crate) fn slots(couplings: &[Coupling], of: impl Fn(&Coupling) -> bool) -> u
 }
 
 impl Axis {
-    /// As this axis is commanded when its words move `other`, which stands at `stands` where this one counts `from`; both in
-    /// geometry units.
+    /// As this axis is commanded when its words move `other`, which stands at `stands` where this one counts `from`;
+    /// both in geometry units.
     pub(crate) fn moving(
         &self,
         other: &counterpoint_machine::model::Axis,

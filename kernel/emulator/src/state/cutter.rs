@@ -38,8 +38,8 @@ pub(crate) enum Stage {
     },
     /// Side or radius have changed beside the contour.
     Turned,
-    /// Switched off; the next move in the plane goes to its point. The end of the contour and the direction of the way there,
-    /// where they are known.
+    /// Switched off; the next move in the plane goes to its point. The end of the contour and the direction of the way
+    /// there, where they are known.
     Ending(Option<(Spot, Spot)>),
 }
 
@@ -130,7 +130,8 @@ pub(crate) struct Cutter {
     pub(crate) asked: Asked,
     /// A way to the contour or from it that no move has made yet.
     pub(crate) smooth: Option<Box<Smooth>>,
-    /// A new radius that takes effect at the end of the next move in the plane, with the vector from the tip to the nose centre.
+    /// A new radius that takes effect at the end of the next move in the plane, with the vector from the tip to the
+    /// nose centre.
     pub(crate) resized: Option<(f64, Spot)>,
 }
 

@@ -1,9 +1,9 @@
 //! Axes that the feed of the path counts for; other axes of a move arrive at the same time.
 //!
-//! Facts: Siemens programming manual, fundamentals, "Feedrate (G93, G94, G95, F, FGROUP, FL, FGREF)", whose example of FGROUP is
-//! worked in tests/spec/emulator/siemens-points.md; function manual K2, "Synchronized axes". A degree counts as a millimetre, or
-//! as the travel at the radius of its axis. *Decision:* if only other axes move, the feed counts for all of them.
-//! *Invariant:* a channel without a group counts all axes.
+//! Facts: Siemens programming manual, fundamentals, "Feedrate (G93, G94, G95, F, FGROUP, FL, FGREF)", whose example of
+//! FGROUP is worked in tests/spec/emulator/siemens-points.md; function manual K2, "Synchronized axes". A degree counts
+//! as a millimetre, or as the travel at the radius of its axis. *Decision:* if only other axes move, the feed counts
+//! for all of them. *Invariant:* a channel without a group counts all axes.
 
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_event::info::Unit;

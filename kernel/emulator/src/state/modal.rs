@@ -29,7 +29,8 @@ pub(crate) mod group {
 /// Modal codes.
 #[derive(Debug, Clone)]
 pub(crate) struct Modal {
-    /// Active code of each group with its row, `None` = `CODE_NONE`. The machine may start with a code that it has no row of.
+    /// Active code of each group with its row, `None` = `CODE_NONE`. The machine may start with a code that it has no
+    /// row of.
     groups: Vec<Option<(CodeId, Option<CodeRowId>)>>,
     /// Groups whose active code fires again on blocks without a code of the group; `true` = on every block.
     pub(crate) refires: Vec<(u16, bool)>,

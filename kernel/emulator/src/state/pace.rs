@@ -218,8 +218,8 @@ impl Pace {
         self.since = 0;
     }
 
-    /// When the path has to brake to stop at its end, ns; none unless the last move is the only one that is not timed, the path
-    /// continues, and no shared operation has come at that time or after it.
+    /// When the path has to brake to stop at its end, ns; none unless the last move is the only one that is not timed,
+    /// the path continues, and no shared operation has come at that time or after it.
     pub(crate) fn brakes_at(&self) -> Option<i64> {
         let (count, _) = self.gaps.front().filter(|_| !self.stops)?;
         let own = self.events.get(count.checked_sub(1)?)?;

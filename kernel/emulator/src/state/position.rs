@@ -220,8 +220,8 @@ impl Place {
     }
 }
 
-/// Registers of axes that channels exchange, and where such words are alarms, those that only move axes which the channel does
-/// not have.
+/// Registers of axes that channels exchange, and where such words are alarms, those that only move axes which the
+/// channel does not have.
 fn foreign(machine: &Machine, axes: &Table<AxisSlot, Axis>) -> u128 {
     let exchanged = machine.tables.data_of_register.entries().filter(|(_, rows)| {
         let mut ids = rows.iter().map(|&row| machine.data[row].id);

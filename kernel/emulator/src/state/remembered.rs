@@ -1,9 +1,10 @@
 //! Words that a channel remembers: the one table of them.
 //!
-//! A control keeps the last number of a word whether or not a code of the block used it: an offset number that is alone in
-//! its block is the one that a later code takes. Codes, system variables, the tools of the summary and stepping all read this
-//! table, so they cannot disagree. *Invariant:* a value is that of the last word of the program, in the units of the machine,
-//! until another word replaces it or the channel is reset. The active offsets are not here but in `Place::in_force`.
+//! A control keeps the last number of a word whether or not a code of the block used it: an offset number that is alone
+//! in its block is the one that a later code takes. Codes, system variables, the tools of the summary and stepping all
+//! read this table, so they cannot disagree. *Invariant:* a value is that of the last word of the program, in the units
+//! of the machine, until another word replaces it or the channel is reset. The active offsets are not here but in
+//! `Place::in_force`.
 
 use counterpoint_machine::Machine;
 use counterpoint_machine::ident::{DataId, data};

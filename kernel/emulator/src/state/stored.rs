@@ -1,7 +1,7 @@
 //! An area that the program sets and that the tool must not enter, or must not leave.
 //!
-//! Facts: Fanuc operator's manuals, stored stroke check 2 (G22, G23; parameter 1300#0 says which side is forbidden); Okuma
-//! programmable stroke limits. *Invariant:* a point on the border violates no limit.
+//! Facts: Fanuc operator's manuals, stored stroke check 2 (G22, G23; parameter 1300#0 says which side is forbidden);
+//! Okuma programmable stroke limits. *Invariant:* a point on the border violates no limit.
 
 /// Rounding tolerance at the border.
 const NOISE: f64 = 1e-6;

@@ -25,8 +25,8 @@ use counterpoint_machine::rows::CodeForm;
 pub(crate) const ACTION: char = 'A';
 
 impl Kernel<'_> {
-    /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z, their
-    /// actions in any case.
+    /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z,
+    /// their actions in any case.
     pub(crate) fn traces(&self, letter: char) -> bool {
         let Some(letters) = self.channel.env.trace else { return false };
         letters.has(letter)

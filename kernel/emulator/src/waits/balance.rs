@@ -1,8 +1,8 @@
 //! Balance cutting of Fanuc: two channels begin their cuts together.
 //!
-//! Facts: reference channel-synchronisation.md 1.3. Decisions: the code that switches it on is a wait of both channels, so is the
-//! first cut of each block, and so is the code that switches it off; those never are alarm PS0160. *Invariant:* two channels take
-//! part.
+//! Facts: reference channel-synchronisation.md 1.3. Decisions: the code that switches it on is a wait of both channels,
+//! so is the first cut of each block, and so is the code that switches it off; those never are alarm PS0160.
+//! *Invariant:* two channels take part.
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::ident::codes;

@@ -1,8 +1,8 @@
 //! Axes of two channels that codes couple: the axes that the numbers of a block name, and the wait of both channels.
 //!
-//! Fanuc: synchronous control G51.4 and G50.4, composite control G51.5 and G50.5, superimposed control G51.6 and G50.6; P is the
-//! master, Q the slave, both by their numbers of parameter 12600. Decisions: each code is a wait of the channels of both axes,
-//! which stand in different channels. *Invariant:* two channels take part.
+//! Fanuc: synchronous control G51.4 and G50.4, composite control G51.5 and G50.5, superimposed control G51.6 and G50.6;
+//! P is the master, Q the slave, both by their numbers of parameter 12600. Decisions: each code is a wait of the
+//! channels of both axes, which stand in different channels. *Invariant:* two channels take part.
 
 use counterpoint_event::event::{FileId, Primitive};
 use counterpoint_event::info::Info;

@@ -1,7 +1,7 @@
 //! Waiting M codes of Fanuc: which pairs are alarm PS0160, and which lists PS0161.
 //!
-//! Facts: reference channel-synchronisation.md 1.3. An illegal list alarms when the block is read; codes that do not match
-//! alarm when two channels wait at the same time.
+//! Facts: reference channel-synchronisation.md 1.3. An illegal list alarms when the block is read; codes that do not
+//! match alarm when two channels wait at the same time.
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::model::PathsForm;

@@ -1,7 +1,8 @@
-//! Statements of a pre-processor at which channels wait for each other: rows of `[[waits]]` by the name of the statement.
+//! Statements of a pre-processor at which channels wait for each other: rows of `[[waits]]` by the name of the
+//! statement.
 //!
-//! *Invariant:* which arguments a statement takes follows from its row, so the pre-processor needs to know none of them. Facts:
-//! reference channel-synchronisation.md 1.4.
+//! *Invariant:* which arguments a statement takes follows from its row, so the pre-processor needs to know none of
+//! them. Facts: reference channel-synchronisation.md 1.4.
 
 use counterpoint_dialect::Operands;
 use counterpoint_event::event::Primitive;

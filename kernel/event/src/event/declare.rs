@@ -1,9 +1,9 @@
 //! Declarations of events: types whose fields say how they are written, in the place where they are declared.
 
 /// Declares a type with its fields: `pub name: Type = number on the wire,`. In brackets after the number may be
-/// `optional` or `added` (see [`Field`](super::fields::Field)), `wire` for the wire only, `as "name"` for another name in
-/// JSON, `if test` when JSON has the field only if the test of the whole holds. Functions after the type belong to its
-/// [`Record`](super::fields::Record).
+/// `optional` or `added` (see [`Field`](super::fields::Field)), `wire` for the wire only, `as "name"` for another name
+/// in JSON, `if test` when JSON has the field only if the test of the whole holds. Functions after the type belong to
+/// its [`Record`](super::fields::Record).
 macro_rules! record {
     (
         $(#[$meta:meta])*
@@ -165,8 +165,8 @@ macro_rules! kinds {
                 }
             }
 
-            /// Its action in the words of the listing, if it is one that needs nothing else to be known. `number` writes a
-            /// number as the listing does.
+            /// Its action in the words of the listing, if it is one that needs nothing else to be known. `number`
+            /// writes a number as the listing does.
             #[must_use]
             pub fn action(&self, number: fn(f64) -> String) -> Option<String> {
                 match self {

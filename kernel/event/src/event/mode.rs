@@ -75,7 +75,8 @@ impl Kind {
         Self::Mode(Mode { text: text.into(), offset: None, carried: carried.map(Box::new) })
     }
 
-    /// Compensation by a tool offset, in the words of the listing. Numbers that no offset can have are left to the words.
+    /// Compensation by a tool offset, in the words of the listing. Numbers that no offset can have are left to the
+    /// words.
     pub fn compensation(text: impl Into<Cow<'static, str>>, kind: OffsetKind, number: f64) -> Self {
         let whole = (0.0..=f64::from(u32::MAX)).contains(&number) && number.fract() == 0.0;
         let offset = whole.then_some(ToolOffset { kind, number: number as u32 });

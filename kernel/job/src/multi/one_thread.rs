@@ -1,8 +1,9 @@
 //! All kernels of a job on the thread of its master, in turns.
 //!
-//! A kernel runs until it has to wait for another one; then the one that is furthest behind in simulated time continues. So a
-//! wait costs a change of stacks, regardless of the load of the processors, and a job never needs more than one of them.
-//! Invariant: one kernel runs at a time, and one that waits for a signal does not run before it has it.
+//! A kernel runs until it has to wait for another one; then the one that is furthest behind in simulated time
+//! continues. So a wait costs a change of stacks, regardless of the load of the processors, and a job never needs more
+//! than one of them. Invariant: one kernel runs at a time, and one that waits for a signal does not run before it has
+//! it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 

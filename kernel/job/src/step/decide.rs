@@ -44,7 +44,8 @@ pub(super) struct Standing<'k> {
     pub(super) waits: &'k dyn Fn(u16) -> bool,
 }
 
-/// Of the kernels that have something to do and may, the one that is furthest behind. One that is too far ahead comes last.
+/// Of the kernels that have something to do and may, the one that is furthest behind. One that is too far ahead comes
+/// last.
 pub(super) fn furthest_behind(kernels: &[Candidate], may: impl Fn(u16) -> bool) -> Option<usize> {
     let able = kernels.iter().enumerate().filter(|(_, kernel)| kernel.ready && may(kernel.channel));
     able.min_by_key(|(_, kernel)| (kernel.far_ahead, kernel.bound, kernel.channel)).map(|(at, _)| at)
@@ -97,7 +98,8 @@ impl State {
             return Decision::Stop(0, self.with_holds(reason));
         };
         let Some(kernel) = kernels.get(at) else { return Decision::Run(at) };
-        // A channel that is too far ahead continues when the others come up; held ones and those whose step is done do not.
+        // A channel that is too far ahead continues when the others come up; held ones and those whose step is done do
+        // not.
         let limited = self.goal == Goal::All || self.channels.iter().any(|one| one.held);
         if kernel.far_ahead && limited && self.ahead == Some(kernel.channel) {
             self.ahead = None;
@@ -137,8 +139,8 @@ impl State {
         }
     }
 
-    /// A kernel stands before a block; whether it begins it at once, which is if [`decide`](Self::decide) and [`goes`](Self::goes) would
-    /// come to that.
+    /// A kernel stands before a block; whether it begins it at once, which is if [`decide`](Self::decide) and
+    /// [`goes`](Self::goes) would come to that.
     pub(super) fn stands(
         &mut self,
         place: &Seen,

@@ -1,7 +1,7 @@
 //! Small functions that are executed in registers of their callers.
 //!
-//! *Invariant:* a body changes nothing but registers that only bodies use until its last form gives the result, so it can be
-//! abandoned at any form, and the call itself is executed instead.
+//! *Invariant:* a body changes nothing but registers that only bodies use until its last form gives the result, so it
+//! can be abandoned at any form, and the call itself is executed instead.
 
 use super::fast::{Fast, Near};
 use super::{Slot, Target};

@@ -2,8 +2,8 @@
 //!
 //! *Invariant:* lines that compare equal keep their order; a failure writes nothing, gives -1 and sets `$ERRNO`. Facts:
 //! reference functions.md 7. Choices of this project: without a field the whole line is compared as text, upward; a
-//! field that a line does not have is empty, and 0 as a number; without delimiters fields are divided by runs of blanks,
-//! every character of a delimiter text divides on its own.
+//! field that a line does not have is empty, and 0 as a number; without delimiters fields are divided by runs of
+//! blanks, every character of a delimiter text divides on its own.
 
 use super::{Context, convert, count, string};
 use crate::fault::{Fault, Outcome};

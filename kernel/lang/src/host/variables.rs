@@ -26,8 +26,8 @@ pub trait Variables {
         let _ = scale;
     }
 
-    /// Place of a global variable that only this macro accesses while it runs; none if there may be other users, which are
-    /// kept away by [`global`](Self::global). Between two calls of the host it is always the same place.
+    /// Place of a global variable that only this macro accesses while it runs; none if there may be other users, which
+    /// are kept away by [`global`](Self::global). Between two calls of the host it is always the same place.
     fn own_global(&mut self, index: u32) -> Option<&mut Value> {
         let _ = index;
         None

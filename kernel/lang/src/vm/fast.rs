@@ -140,7 +140,8 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     Fast::Subtract { to, a, b } => store!(to, number!(a) - number!(b), 1),
                     Fast::Multiply { to, a, b } => store!(to, number!(a) * number!(b), 1),
                     Fast::Divide { to, a, b } => store!(to, number!(a) / number!(b), 1),
-                    // A sum or quotient that does not exist makes no sum or difference that does, so one check is enough.
+                    // A sum or quotient that does not exist makes no sum or difference that does, so one check is
+                    // enough.
                     Fast::MultiplyAdd { to, a, b, c } => store!(to, number!(c) + number!(a) * number!(b), 2),
                     Fast::DivideFrom { to, a, b, c } => store!(to, number!(c) - number!(a) / number!(b), 2),
                     Fast::Two { first, then, to, a, b, c } => {

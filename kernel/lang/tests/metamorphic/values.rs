@@ -276,7 +276,8 @@ impl Tree {
         }
     }
 
-    /// The text with as few parentheses as the table of bindings allows; `leaf` writes a leaf, `style` chooses a spelling.
+    /// The text with as few parentheses as the table of bindings allows; `leaf` writes a leaf, `style` chooses a
+    /// spelling.
     pub(crate) fn written(&self, leaf: &mut dyn FnMut(&Known) -> String, style: &mut dyn FnMut() -> usize) -> String {
         let (operator, parts) = match self {
             Tree::Leaf(value) => return leaf(value),

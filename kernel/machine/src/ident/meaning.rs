@@ -1,7 +1,7 @@
 //! Short meanings of identifiers.
 //!
-//! An own identifier has its meaning in its row, the others in `meanings.tsv`, where a star is the rest of a name and `{}` that
-//! rest. *Invariant:* every built-in identifier has a meaning; without a row it is its name in plain words.
+//! An own identifier has its meaning in its row, the others in `meanings.tsv`, where a star is the rest of a name and
+//! `{}` that rest. *Invariant:* every built-in identifier has a meaning; without a row it is its name in plain words.
 
 /// Identifier and meaning, a line each.
 const MEANINGS: &str = include_str!("meanings.tsv");

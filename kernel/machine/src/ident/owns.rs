@@ -1,5 +1,5 @@
-//! Codes to which all axis words of their block belong: a word that such a code does not take is a mistake of the program and
-//! never moves an axis.
+//! Codes to which all axis words of their block belong: a word that such a code does not take is a mistake of the
+//! program and never moves an axis.
 //!
 //! Facts: programming manuals of the controls, which give these codes a block or a list of axis words of their own.
 //! *Invariant:* a code that leaves axis words to the motion code of its block is not in this list.

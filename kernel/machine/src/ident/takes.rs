@@ -1,7 +1,7 @@
 //! Which data the built-in actions of codes take.
 //!
-//! Facts: reference control-emulator.md 6. The kind of a code decides, or the code itself where its kind leaves that open.
-//! In a list of data a star is the rest of a name.
+//! Facts: reference control-emulator.md 6. The kind of a code decides, or the code itself where its kind leaves that
+//! open. In a list of data a star is the rest of a name.
 
 use counterpoint_event::event::Direction;
 use counterpoint_motion::frame::local::Part;

@@ -20,7 +20,8 @@ use counterpoint_ports::files::Files;
 
 /// Builds the machine; whether it is any good is for the findings to say.
 ///
-/// Of a component `composite` has the declaration macro of its composite, which is its own, too. Gives the rows of a composite's components as well.
+/// Of a component `composite` has the declaration macro of its composite, which is its own, too. Gives the rows of a
+/// composite's components as well.
 pub(super) fn machine(
     merged: &Merged,
     files: &dyn Files,

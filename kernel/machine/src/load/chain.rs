@@ -1,7 +1,7 @@
 //! The chain of `extends`: a machine, its family, the family's family.
 //!
-//! A component of a composite machine may lie in a folder of its own inside that of the composite; such folders come before
-//! those beside the composite. Invariant: identity (name, description, being a family) is never inherited.
+//! A component of a composite machine may lie in a folder of its own inside that of the composite; such folders come
+//! before those beside the composite. Invariant: identity (name, description, being a family) is never inherited.
 
 use std::sync::Arc;
 
@@ -29,8 +29,8 @@ pub(super) struct Merged {
     pub(super) own_signs: bool,
 }
 
-/// Reads and merges the chain; `None` when the machine's own file is not there. Folders inside those of `within` come before
-/// folders beside them.
+/// Reads and merges the chain; `None` when the machine's own file is not there. Folders inside those of `within` come
+/// before folders beside them.
 pub(super) fn read(files: &dyn Files, name: &str, within: &[String], check: &Check) -> Option<Merged> {
     let folder = resolved(files, name, within, &[]);
     let start = place_of(&folder);
@@ -51,7 +51,8 @@ pub(super) fn read(files: &dyn Files, name: &str, within: &[String], check: &Che
     Some(Merged { table, start, folder, chain: folders, own_signs })
 }
 
-/// The folder that a name means: the first one inside those of `within`, but for those that were seen, or else one beside them.
+/// The folder that a name means: the first one inside those of `within`, but for those that were seen, or else one
+/// beside them.
 fn resolved(files: &dyn Files, name: &str, within: &[String], seen: &[String]) -> String {
     let mut inside = within.iter().filter(|_| is_plain(name)).map(|outer| format!("{outer}/{name}"));
     let found = inside.find(|folder| !seen.contains(folder) && files.read(&format!("{folder}/{FILE}")).is_ok());

@@ -1,6 +1,7 @@
 //! `[[channels]]`: the paths of the control and the axes each one moves.
 //!
-//! Invariant: an axis that channels do not exchange belongs to one of them, and no two axes of a channel answer to the same word.
+//! Invariant: an axis that channels do not exchange belongs to one of them, and no two axes of a channel answer to the
+//! same word.
 
 use crate::index::{AxisId, AxisSlot, SpindleId, Table};
 use crate::model::{Axis, Channel, Spindle};

@@ -2,10 +2,10 @@
 //!
 //! A component is a machine file of its own, or a family. Sections that the components have in common belong to the
 //! composite and replace their own sections: axes, channels, spindles, waits, the shape of programs, tools and work
-//! offsets; the keys of tool words are each component's own. Times and ranges of variables are shared key by key. A component with another pre-processor has the shape
-//! of its own programs. Invariants: units of all components are those of the composite; each channel has a component;
-//! the macros of a component see the GLOBAL variables of the composite, and its own GLOBAL variables belong to its
-//! object.
+//! offsets; the keys of tool words are each component's own. Times and ranges of variables are shared key by key. A
+//! component with another pre-processor has the shape of its own programs. Invariants: units of all components are
+//! those of the composite; each channel has a component; the macros of a component see the GLOBAL variables of the
+//! composite, and its own GLOBAL variables belong to its object.
 
 use crate::model::{Channel, Machine, MachineKind};
 use crate::toml::check::Check;
@@ -213,7 +213,8 @@ fn entry(key: &str, place: &Place, value: Value) -> Entry {
     Entry { key: key.to_owned(), place: place.clone(), node: Node { place: place.clone(), value } }
 }
 
-/// The declaration macro of a composite, whose GLOBAL variables its components see: name of the file, and where it is named.
+/// The declaration macro of a composite, whose GLOBAL variables its components see: name of the file, and where it is
+/// named.
 pub(super) fn declaration(composite: &Table) -> Option<(&str, &Place)> {
     let Value::Table(macros) = &composite.get("macros")?.value else { return None };
     Some((macros.text("declaration")?, &macros.get("declaration")?.place))

@@ -1,7 +1,7 @@
 //! A definition as written, including the families that it extends: sections, rows and keys, each with its place.
 //!
-//! Invariant: nothing is interpreted but the questionnaire, whose answers are shown as the rows that they make; so every key of a
-//! file is there, also one that the machine as loaded no longer has.
+//! Invariant: nothing is interpreted but the questionnaire, whose answers are shown as the rows that they make; so
+//! every key of a file is there, also one that the machine as loaded no longer has.
 
 use super::build;
 use super::chain::{self, Merged, row_name};

@@ -1,7 +1,8 @@
 //! `[macros]`: the macros of a machine, compiled with everything they name.
 //!
 //! Invariant: every mistake of every file is a finding at its own file, line and column; the declaration comes first,
-//! then the files of functions, then the rest in the order of the form. Facts: reference control-emulator.md 4, 7.2, 7.3.
+//! then the files of functions, then the rest in the order of the form. Facts: reference control-emulator.md 4, 7.2,
+//! 7.3.
 
 use std::sync::Arc;
 

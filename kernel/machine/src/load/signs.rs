@@ -1,7 +1,7 @@
 //! `[signs]`: the signs by which the machine of a program is guessed.
 //!
-//! Invariant: every pattern can be read. A machine is guessed only if its own file has the section; signs of its families
-//! also count.
+//! Invariant: every pattern can be read. A machine is guessed only if its own file has the section; signs of its
+//! families also count.
 
 use counterpoint_ports::files::Files;
 use counterpoint_signs::{Candidate, HEAVIEST, Pattern, Rows, Signs};

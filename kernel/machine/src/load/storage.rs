@@ -1,6 +1,7 @@
 //! `files`: the folder beside the machine file whose content programs and macros reach as `//ICAMFS/…`.
 //!
-//! Invariant: paths are unique regardless of letter case, sorted, and use `/`. Facts: reference control-emulator.md 7.1.
+//! Invariant: paths are unique regardless of letter case, sorted, and use `/`. Facts: reference control-emulator.md
+//! 7.1.
 
 use crate::stored::StoredFile;
 use crate::toml::section::Section;

@@ -1,7 +1,7 @@
 //! `[[system_variables]]`: the values of numbered system variables.
 //!
-//! *Invariant:* a number has one row at most. Facts: reference fanuc-variables-and-alarms.md 1. A machine without rows has those
-//! that every control of the kind has: clocks, modal codes, positions.
+//! *Invariant:* a number has one row at most. Facts: reference fanuc-variables-and-alarms.md 1. A machine without rows
+//! has those that every control of the kind has: clocks, modal codes, positions.
 
 use crate::index::{RegisterId, Table};
 use crate::rows::{CodeForm, CodeRow, Register};

@@ -1,7 +1,7 @@
 //! `[[waits]]`: words, texts and statements at which channels wait for each other, under any name.
 //!
-//! Invariant: every word and every text has exactly one row of the code table, with `CODE_SYNC_REG`; a statement has none. Facts: reference
-//! channel-synchronisation.md 1.1.
+//! Invariant: every word and every text has exactly one row of the code table, with `CODE_SYNC_REG`; a statement has
+//! none. Facts: reference channel-synchronisation.md 1.1.
 
 use counterpoint_event::event::Primitive;
 

@@ -1,8 +1,8 @@
 //! Conditions on a block for a code or data macro to run.
 //!
-//! Invariant: a condition is compiled once; testing it allocates nothing. Facts: reference control-emulator.md 4.2: a list
-//! of which any one fires, lists that must and must not be present, or a hand-written condition in which AND binds tighter
-//! than OR.
+//! Invariant: a condition is compiled once; testing it allocates nothing. Facts: reference control-emulator.md 4.2: a
+//! list of which any one fires, lists that must and must not be present, or a hand-written condition in which AND binds
+//! tighter than OR.
 
 use crate::ident::{CodeId, DataId};
 

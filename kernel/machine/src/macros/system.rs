@@ -1,8 +1,8 @@
 //! The system variables of the control: types, indices, access, first values.
 //!
-//! Invariant: every name occurs once, and every row is complete; the tests count the rows of each category. Facts: reference
-//! system-variables.md. `$CI`, `$CHSIZ`, `$CHMAX`, `$MNEST` and `$ERRNO` are listed, but kept by the machine that runs
-//! macros; the constants are part of the language.
+//! Invariant: every name occurs once, and every row is complete; the tests count the rows of each category. Facts:
+//! reference system-variables.md. `$CI`, `$CHSIZ`, `$CHMAX`, `$MNEST` and `$ERRNO` are listed, but kept by the machine
+//! that runs macros; the constants are part of the language.
 
 use std::collections::HashMap;
 use std::sync::OnceLock;

@@ -1,6 +1,7 @@
 //! Functions without support here: they need a machine model, a composite or a screen.
 //!
-//! Invariant: each of them reports once in a run that nothing is there for it (2910070), and returns as if it had failed.
+//! Invariant: each of them reports once in a run that nothing is there for it (2910070), and returns as if it had
+//! failed.
 
 use counterpoint_lang::host::{AbsentFn, Need};
 

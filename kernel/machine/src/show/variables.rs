@@ -1,6 +1,7 @@
 //! A numbered variable of the pre-processor in words.
 //!
-//! Invariant: the words are made from the row that the kernel reads, so they name the value that the number shows and sets.
+//! Invariant: the words are made from the row that the kernel reads, so they name the value that the number shows and
+//! sets.
 
 use serde_json::{Value, json};
 
@@ -126,7 +127,8 @@ mod tests {
         let machine = load(&package::shipped(), "fanuc-mill").machine.expect("a machine");
         let means =
             |number: u32| variable(&machine, number).map(|found| found["means"].as_str().unwrap_or("").to_owned());
-        // #5021 and following: machine coordinates; #5221 and following: G54; #4001: group 1; #4109: F; #2001: length of offset 1.
+        // #5021 and following: machine coordinates; #5221 and following: G54; #4001: group 1; #4109: F; #2001: length
+        // of offset 1.
         assert_eq!(means(5021).as_deref(), Some("position in the frame of the machine, axis 1 of the channel"));
         assert_eq!(means(5222).as_deref(), Some("work offset 1 (G54), axis 2 of the channel"));
         assert!(means(4001).is_some_and(|text| text.starts_with("G number that is active in group 1 (motion)")));

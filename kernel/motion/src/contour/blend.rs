@@ -1,8 +1,8 @@
 //! Chamfers and roundings between two pieces of a contour.
 //!
-//! A blend shortens both pieces and puts a line or an arc between them. The legs of a chamfer are measured straight from
-//! the corner, also on an arc. *Invariant:* a blend takes no more of a piece than there is of it, and the end of each
-//! element is the start of the next. Facts: reference turning-cycles.md 7, siemens-cycles.md (RND, CHF, CHR).
+//! A blend shortens both pieces and puts a line or an arc between them. The legs of a chamfer are measured straight
+//! from the corner, also on an arc. *Invariant:* a blend takes no more of a piece than there is of it, and the end of
+//! each element is the start of the next. Facts: reference turning-cycles.md 7, siemens-cycles.md (RND, CHF, CHR).
 
 use std::f64::consts::TAU;
 

@@ -1,7 +1,9 @@
-//! How a tool clears an area: cuts along the first axis that follow each other along the rim, then ways along all walls.
+//! How a tool clears an area: cuts along the first axis that follow each other along the rim, then ways along all
+//! walls.
 //!
-//! Decisions: a cut goes on with the next one above it where the rim leads there without going down; where it does not, the tool begins
-//! again. A blank is cut from outside of it. *Invariant:* every element lies on a rim of the room of the tool's centre, or within it.
+//! Decisions: a cut goes on with the next one above it where the rim leads there without going down; where it does not,
+//! the tool begins again. A blank is cut from outside of it. *Invariant:* every element lies on a rim of the room of
+//! the tool's centre, or within it.
 
 use super::area::Area;
 use super::closed::{Closed, is_clear};
@@ -27,7 +29,8 @@ pub struct Clearing {
 }
 
 impl Clearing {
-    /// With a tool whose middle keeps away from walls by an amount; none if it fits nowhere, or the walls have too many elements.
+    /// With a tool whose middle keeps away from walls by an amount; none if it fits nowhere, or the walls have too many
+    /// elements.
     #[must_use]
     pub fn of(area: &Area, by: f64) -> Option<Self> {
         let rings: Vec<Closed> = area.rings.iter().map(|ring| Closed::open(ring.clone())).collect();

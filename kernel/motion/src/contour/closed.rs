@@ -24,7 +24,8 @@ pub struct Closed {
 }
 
 impl Closed {
-    /// Of elements that follow each other; a gap between the end and the start is closed by a line. None for fewer than two.
+    /// Of elements that follow each other; a gap between the end and the start is closed by a line. None for fewer than
+    /// two.
     #[must_use]
     pub fn new(mut elements: Vec<Element>) -> Option<Self> {
         let (first, last) = (elements.first()?.from, elements.last()?.to);
@@ -158,8 +159,8 @@ pub fn is_clear(element: &Element, contours: &[Closed], amount: f64) -> bool {
 /// A straight cut.
 pub type Cut = (Spot, Spot);
 
-/// Cuts between closed ways, to and fro, at most `apart`; cuts that follow each other through room that is free make one row. The ways
-/// are those of the middle of a tool. None where there would be too many.
+/// Cuts between closed ways, to and fro, at most `apart`; cuts that follow each other through room that is free make
+/// one row. The ways are those of the middle of a tool. None where there would be too many.
 #[must_use]
 pub fn cuts(ways: &[Closed], apart: f64, is_free: impl Fn(&Element) -> bool) -> Option<Vec<Vec<Cut>>> {
     let elements = || ways.iter().flat_map(|way| &way.elements);

@@ -1,5 +1,5 @@
-//! Areas that are put together from the insides of closed contours: unions, differences, common parts, anything that is asked of
-//! where a spot lies.
+//! Areas that are put together from the insides of closed contours: unions, differences, common parts, anything that is
+//! asked of where a spot lies.
 //!
 //! All contours are cut where they meet. Both sides of each piece are tested, and the pieces with the area on one side
 //! alone are its rim. *Invariant:* rings have the area on their left, so outer rings run counter-clockwise, and no two

@@ -250,8 +250,8 @@ fn round(
     links.map_or(circle, |links| links.into_iter().flatten().collect())
 }
 
-/// Two arcs that touch each other and both directions; they meet at the centre of the circle within the ends and the point where
-/// the directions meet, so both turn the same way.
+/// Two arcs that touch each other and both directions; they meet at the centre of the circle within the ends and the
+/// point where the directions meet, so both turn the same way.
 fn biarc((from, one): (Spot, Spot), (to, other): (Spot, Spot), clockwise: bool) -> Option<[Link; 2]> {
     let way = plus(to, from, -1.0);
     let turn = cross(one, other);
@@ -282,7 +282,8 @@ fn off_circle(element: &Element, end: Spot) -> f64 {
     element.arc.as_ref().map_or(0.0, |arc| (distance(arc.center, end) - arc.radius).abs())
 }
 
-/// Where a line meets a circle, which it may miss by `slack`: offsets of a tangential transition, whose end is rounded, do.
+/// Where a line meets a circle, which it may miss by `slack`: offsets of a tangential transition, whose end is rounded,
+/// do.
 fn line_circle(a: Spot, along: Spot, (center, radius): (Spot, f64), slack: f64) -> [Option<Spot>; 2] {
     let foot = dot(plus(center, a, -1.0), along);
     let nearest = plus(a, along, foot);

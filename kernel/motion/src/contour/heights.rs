@@ -1,7 +1,7 @@
 //! Heights along a way beside a contour that has some.
 //!
-//! Decisions: a spot beside the contour is as high as the spot of the contour that it lies beside; round a corner outside the way stays
-//! as high as the corner. *Invariant:* a way that is not beside the contour has no heights.
+//! Decisions: a spot beside the contour is as high as the spot of the contour that it lies beside; round a corner
+//! outside the way stays as high as the corner. *Invariant:* a way that is not beside the contour has no heights.
 
 use super::element::{Element, beside, distance};
 use super::near::at;
@@ -9,8 +9,8 @@ use super::near::at;
 /// How far a spot may lie off the contour.
 const OFF: f64 = 1e-4;
 
-/// Heights of the ends of each element of a way that lies on one side of a contour by an amount; those of the elements of the contour are
-/// given. None where an element of the way lies beside nothing.
+/// Heights of the ends of each element of a way that lies on one side of a contour by an amount; those of the elements
+/// of the contour are given. None where an element of the way lies beside nothing.
 #[must_use]
 pub fn heights(way: &[Element], (side, amount): (f64, f64), contour: &[(Element, [f64; 2])]) -> Option<Vec<[f64; 2]>> {
     let mut first = 0;

@@ -1,7 +1,7 @@
 //! The region of a tool centre inside contours, the area cleared from there, and the rest for a smaller tool.
 //!
-//! A spot is too near to a contour if it lies in the band beside one of its elements, or in the disc about one of its corners.
-//! *Invariant:* the ways are exact lines and arcs; contours with too many elements have none.
+//! A spot is too near to a contour if it lies in the band beside one of its elements, or in the disc about one of its
+//! corners. *Invariant:* the ways are exact lines and arcs; contours with too many elements have none.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,8 +14,8 @@ use crate::arc::Arc;
 /// Most elements of contours from which a tool keeps away.
 const MOST_ELEMENTS: usize = 300;
 
-/// Where the middle of a tool may be that keeps away from contours by an amount, inside of an odd number of them; none where they have
-/// too many elements.
+/// Where the middle of a tool may be that keeps away from contours by an amount, inside of an odd number of them; none
+/// where they have too many elements.
 #[must_use]
 pub fn eroded(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
     beside_of(contours, amount, |inside, near| inside && !near)

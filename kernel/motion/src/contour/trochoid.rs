@@ -12,8 +12,8 @@ use crate::arc::by_center;
 /// Most circles.
 const MOST: f64 = 100_000.0;
 
-/// Circles of a radius about places of a way that are a step apart, from the first place to the last one; none where there are too many or
-/// a length is none.
+/// Circles of a radius about places of a way that are a step apart, from the first place to the last one; none where
+/// there are too many or a length is none.
 #[must_use]
 pub fn trochoid(way: &[Element], radius: f64, step: f64, clockwise: bool) -> Option<Vec<Element>> {
     let whole: f64 = way.iter().map(Element::length).sum();

@@ -8,8 +8,8 @@ use nalgebra::{Matrix3, Vector3};
 /// Three coordinates, as everything outside frames has them.
 pub type Point = [f64; 3];
 
-/// A linear part and a shift. *Invariant:* a coordinate of a result is the sum by columns from the left, the shift last, so that
-/// every machine rounds alike.
+/// A linear part and a shift. *Invariant:* a coordinate of a result is the sum by columns from the left, the shift
+/// last, so that every machine rounds alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Affine {
     linear: Matrix3<f64>,

@@ -1,7 +1,8 @@
-//! The local frame of axes other than X, Y and Z: rotary and parallel axes have their own scale, mirror and translation.
+//! The local frame of axes other than X, Y and Z: rotary and parallel axes have their own scale, mirror and
+//! translation.
 //!
-//! Parts and additive parts act in the order of the frame of X, Y and Z (`local`); a rotation does not change these axes.
-//! *Invariant:* the linear map of each axis has an inverse.
+//! Parts and additive parts act in the order of the frame of X, Y and Z (`local`); a rotation does not change these
+//! axes. *Invariant:* the linear map of each axis has an inverse.
 
 use super::local::{Part, Refused};
 

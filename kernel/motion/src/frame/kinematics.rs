@@ -1,10 +1,11 @@
 //! Rotary axes of tables and heads: where they bring the part and the tool, and which angles bring the tool into a
 //! direction.
 //!
-//! Every rotary axis has a direction about which the tool turns right-handed relative to the part at growing angles, and a
-//! point on it in the machine frame with all axes at zero. Tables and heads stand in the order from the machine to the
-//! part or to the tool. Points are those of the gauge point of the spindle; a tool is a way from its tip to that point
-//! with all heads at zero. Facts: reference control-emulator.md 6.8, functions.md 10. *Invariant:* a solution is finite.
+//! Every rotary axis has a direction about which the tool turns right-handed relative to the part at growing angles,
+//! and a point on it in the machine frame with all axes at zero. Tables and heads stand in the order from the machine
+//! to the part or to the tool. Points are those of the gauge point of the spindle; a tool is a way from its tip to that
+//! point with all heads at zero. Facts: reference control-emulator.md 6.8, functions.md 10. *Invariant:* a solution is
+//! finite.
 
 use nalgebra::Vector3;
 
@@ -93,8 +94,8 @@ impl<A: Copy> Chain<A> {
         (tip - tool).into()
     }
 
-    /// How fast the linear axes follow the rotary ones while the tip stays at a point of the part; `turning`: degrees of
-    /// each axis in some time, in which the way is made.
+    /// How fast the linear axes follow the rotary ones while the tip stays at a point of the part; `turning`: degrees
+    /// of each axis in some time, in which the way is made.
     pub fn following(&self, part: Point, length: Point, angle: impl Fn(A) -> f64, turning: impl Fn(A) -> f64) -> f64 {
         let carried = |joints: &[Joint<A>], sign: f64, point: Point| {
             let (mut point, mut speed) = (point, Vector3::zeros());

@@ -40,8 +40,8 @@ pub enum Way {
     Least,
     /// The same; of equals the pair whose tilting axis has the larger angle.
     LeastLarger,
-    /// The least rotation of the first axis, then of the second one, then the first one nearer to a whole turn, then the
-    /// second one. The first axis is the one next to the machine; of a table and a head it is the table.
+    /// The least rotation of the first axis, then of the second one, then the first one nearer to a whole turn, then
+    /// the second one. The first axis is the one next to the machine; of a table and a head it is the table.
     AxisByAxis,
 }
 
@@ -144,8 +144,8 @@ impl Stand {
 }
 
 impl<A: Copy + PartialEq> Chain<A> {
-    /// The axis that tilts the tool, by which programs choose: of two tables the one next to the machine, else the head that
-    /// is next to the tool (Heidenhain: the first rotary axis from the tool, or the last one from the table).
+    /// The axis that tilts the tool, by which programs choose: of two tables the one next to the machine, else the head
+    /// that is next to the tool (Heidenhain: the first rotary axis from the tool, or the last one from the table).
     pub fn tilting(&self) -> Option<A> {
         self.heads.last().or(self.tables.first()).map(|joint| joint.axis)
     }

@@ -1,8 +1,8 @@
 //! Tilted planes: the forms in which programs say how a plane lies.
 //!
-//! Every form gives a rotation: X, Y and Z of the plane as they lie in the frame that it is defined in. *Invariant:* a plane
-//! is right-handed and square, or there is none. Facts: reference heidenhain-cycles.md 6, siemens-cycles.md 2; Fanuc
-//! descriptions of the tilted working plane command (B-63942EN 5.44).
+//! Every form gives a rotation: X, Y and Z of the plane as they lie in the frame that it is defined in. *Invariant:* a
+//! plane is right-handed and square, or there is none. Facts: reference heidenhain-cycles.md 6, siemens-cycles.md 2;
+//! Fanuc descriptions of the tilted working plane command (B-63942EN 5.44).
 
 use nalgebra::Vector3;
 
@@ -45,7 +45,8 @@ pub fn of_directions(x: Point, z: Point) -> Option<Affine> {
     Affine::of_cells([x.x, y.x, z.x, 0.0, x.y, y.y, z.y, 0.0, x.z, y.z, z.z, 0.0])
 }
 
-/// A rotation by three points: from the first to the second along X, the third on the side of Y; none if they lie on a line.
+/// A rotation by three points: from the first to the second along X, the third on the side of Y; none if they lie on a
+/// line.
 pub fn of_points([first, second, third]: [Point; 3]) -> Option<Affine> {
     let [first, second, third] = [first, second, third].map(Vector3::from);
     let (x, aside) = (second - first, third - first);
@@ -56,9 +57,9 @@ pub fn of_points([first, second, third]: [Point; 3]) -> Option<Affine> {
     of_directions(x.into(), z.into())
 }
 
-/// A rotation by the lines in which the plane cuts two planes of the frame: that of Y and Z, where the line is Y turned about
-/// X by the first angle, and that of Z and X, where it is X turned about Y by the second. X of the plane lies along the line
-/// of Z and X before the last angle turns it about Z.
+/// A rotation by the lines in which the plane cuts two planes of the frame: that of Y and Z, where the line is Y turned
+/// about X by the first angle, and that of Z and X, where it is X turned about Y by the second. X of the plane lies
+/// along the line of Z and X before the last angle turns it about Z.
 pub fn of_projections(about_x: f64, about_y: f64, about_z: f64) -> Option<Affine> {
     let ((sine_x, cosine_x), (sine_y, cosine_y)) = (turn(about_x), turn(about_y));
     let (x, aside) = (Vector3::new(cosine_y, 0.0, -sine_y), Vector3::new(0.0, cosine_x, sine_x));

@@ -1,7 +1,8 @@
 //! Moves of turning cycles: pure geometry, from a contour and a few lengths to rapid moves, feed moves and arcs.
 //!
-//! Points are `[along Z, along X]` in length units, X as a radius. *Invariant:* a cycle gives its moves one by one and asks
-//! before every pass, so that it can be stopped at any time and needs no memory for its passes; every move is finite.
+//! Points are `[along Z, along X]` in length units, X as a radius. *Invariant:* a cycle gives its moves one by one and
+//! asks before every pass, so that it can be stopped at any time and needs no memory for its passes; every move is
+//! finite.
 
 mod allowance;
 mod blank;
@@ -69,7 +70,8 @@ pub trait Sink {
         Ok(())
     }
 
-    /// The nose of the tool goes beside the moves that follow, on a side: +1 left of the way, −1 right; or on them again.
+    /// The nose of the tool goes beside the moves that follow, on a side: +1 left of the way, −1 right; or on them
+    /// again.
     ///
     /// # Errors
     /// The cycle is to end.

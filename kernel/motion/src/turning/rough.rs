@@ -1,7 +1,7 @@
 //! Rough turning and facing: levels down to the contour, then pockets, then one pass along the contour.
 //!
-//! The open stretch of each level is cut first, from the top; then each pocket, deepest branch first, in the direction of
-//! the cut. *Invariant:* a rapid move across the stock goes no deeper than the last level cut there.
+//! The open stretch of each level is cut first, from the top; then each pocket, deepest branch first, in the direction
+//! of the cut. *Invariant:* a rapid move across the stock goes no deeper than the last level cut there.
 
 use super::blank::Blank;
 use super::cut::Cut;
@@ -192,8 +192,8 @@ impl<'c> Rough<'c> {
         Ok(pockets)
     }
 
-    /// Cuts a level where the blank has material: in from the clearance before it, at rapid where there is none. Before it the tool is in front of where
-    /// it has begun on the level before.
+    /// Cuts a level where the blank has material: in from the clearance before it, at rapid where there is none. Before
+    /// it the tool is in front of where it has begun on the level before.
     fn cut_blank<S: Sink>(
         &self,
         cut: &mut Cut<'_, S>,
@@ -306,7 +306,8 @@ impl<'c> Rough<'c> {
         Ok(end)
     }
 
-    /// Where a pass along the contour begins. Under LAP a first line along the cut begins no further out than the cycle.
+    /// Where a pass along the contour begins. Under LAP a first line along the cut begins no further out than the
+    /// cycle.
     fn begin(&self, first: &Element) -> Spot {
         let ([along, height], to) = (self.view.see(first.from), self.view.see(first.to));
         let level = first.arc.is_none() && (to[1] - height).abs() < NOISE;

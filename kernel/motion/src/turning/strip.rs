@@ -291,7 +291,8 @@ impl<'c> Removal<'c> {
         Ok(())
     }
 
-    /// Stretches of the contour below a level, among some of its parts: where each begins (none where the parts do) and its ends.
+    /// Stretches of the contour below a level, among some of its parts: where each begins (none where the parts do) and
+    /// its ends.
     fn below(&self, level: f64, (first, last): (usize, usize)) -> Vec<(Option<Mark>, (Mark, Mark))> {
         let mut found = Vec::new();
         let mut open: Option<(Option<Mark>, Mark)> = None;

@@ -1,7 +1,8 @@
-//! The view of a rough cycle: the first coordinate runs along the cut, the second one points from the part to the stock.
+//! The view of a rough cycle: the first coordinate runs along the cut, the second one points from the part to the
+//! stock.
 //!
-//! *Invariant:* mapping there and back gives the same point; outside and inside, facing and turning, towards −Z and towards
-//! +Z are one case in this view.
+//! *Invariant:* mapping there and back gives the same point; outside and inside, facing and turning, towards −Z and
+//! towards +Z are one case in this view.
 
 use crate::contour::element::Spot;
 

@@ -113,8 +113,8 @@ impl Scanner {
         None
     }
 
-    /// Comments and messages of a line: whether it is a message, and its place without delimiters. The same start for both
-    /// means a comment.
+    /// Comments and messages of a line: whether it is a message, and its place without delimiters. The same start for
+    /// both means a comment.
     pub fn remarks(&self, line: &[u8]) -> Vec<(bool, usize, usize)> {
         let mut found = Vec::new();
         let first = [&self.comment, &self.message].map(|pair| pair.as_ref().and_then(|(start, _)| start.first()));

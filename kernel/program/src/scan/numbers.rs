@@ -171,8 +171,8 @@ impl Read {
         }
     }
 
-    /// Value of at most [`EXACT_DIGITS`] digits, more of which stand after the point than the register has. They are cut as a
-    /// whole number, so that no binary fraction stands just below or above a whole or half unit.
+    /// Value of at most [`EXACT_DIGITS`] digits, more of which stand after the point than the register has. They are
+    /// cut as a whole number, so that no binary fraction stands just below or above a whole or half unit.
     #[inline(always)]
     fn value_without_excess(&self, digits: Digits<'_>) -> (f64, u8) {
         let step = STEPS.get(digits.fraction - self.places).copied().unwrap_or(1);
@@ -202,7 +202,8 @@ fn without_excess(number: Number, format: &NumberFormat) -> f64 {
     if units >= EXACT {
         return number.value;
     }
-    // Half of the last digit written, so that a binary fraction just below or above a whole or half unit is taken for it.
+    // Half of the last digit written, so that a binary fraction just below or above a whole or half unit is taken for
+    // it.
     let written = POW10.get(usize::from(number.fraction.saturating_sub(format.frac)));
     let near = written.map_or(0.0, |written| 0.5 / written).max(units * 4.0 * f64::EPSILON);
     let below = units as u64 as f64;

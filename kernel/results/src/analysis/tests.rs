@@ -17,8 +17,8 @@ fn barrier(key: &str, release: (i64, u16), arrivals: &[(u16, i64)]) -> SyncPoint
     point(key, Primitive::Barrier, release, arrivals)
 }
 
-/// Channel 1 works 2 s, meets channel 2 (5 s) at M101, works 6 s to M102, where channel 2 came after 1 s; both end 1 s and
-/// 4 s later.
+/// Channel 1 works 2 s, meets channel 2 (5 s) at M101, works 6 s to M102, where channel 2 came after 1 s; both end 1 s
+/// and 4 s later.
 fn job() -> (Vec<(u16, i64)>, Vec<SyncPoint>) {
     let waits = vec![barrier("M101", (5, 2), &[(1, 2), (2, 5)]), barrier("M102", (11, 1), &[(1, 11), (2, 6)])];
     (vec![(1, 12 * S), (2, 15 * S)], waits)
@@ -91,7 +91,8 @@ fn a_code_that_begins_or_ends_something_is_never_redundant() {
 fn a_faster_channel_saves_only_what_nobody_else_needs() {
     let (ends, waits) = job();
     let saves = |channel, faster: i64| WhatIf::of(&ends, &waits, channel, faster * S).map(|found| found.saves_ns / S);
-    // Channel 2 works 5 + 1 + 4 s. With half of it: at M101 after 2.5 s, M102 at 8.5 s, its end at 10.5 s; channel 1 ends at 9.5 s.
+    // Channel 2 works 5 + 1 + 4 s. With half of it: at M101 after 2.5 s, M102 at 8.5 s, its end at 10.5 s; channel 1
+    // ends at 9.5 s.
     assert_eq!(WhatIf::of(&ends, &waits, 2, 5 * S).unwrap().saves_ns, 9 * S / 2);
     // Channel 1 works 2 + 6 + 1 s. With 2/3 of it M102 is passed 2 s earlier.
     assert_eq!(saves(1, 3), Some(2));

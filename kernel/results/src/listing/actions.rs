@@ -1,7 +1,7 @@
 //! Actions in the words of the trace, read off the events.
 //!
-//! Layout and words: reference listing-and-trace.md 4.3. Invariant: `rapid` and `feed` are written when they change, and
-//! only axes that are coded or move are named.
+//! Layout and words: reference listing-and-trace.md 4.3. Invariant: `rapid` and `feed` are written when they change,
+//! and only axes that are coded or move are named.
 
 use counterpoint_lang::format::wildcard_text;
 

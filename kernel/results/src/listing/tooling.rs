@@ -1,7 +1,7 @@
 //! The two tooling tables.
 //!
-//! Layout: reference listing-and-trace.md 7.1, rows as the summary has them. *Invariant:* time counts for the tool in use
-//! when it passes; a tool change counts for the new tool.
+//! Layout: reference listing-and-trace.md 7.1, rows as the summary has them. *Invariant:* time counts for the tool in
+//! use when it passes; a tool change counts for the new tool.
 
 use std::io::{Result, Write};
 

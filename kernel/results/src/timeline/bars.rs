@@ -1,8 +1,7 @@
 //! The bars of one channel.
 //!
-//! *Invariant:* never more than twice [`MOST`] bars in memory, [`MOST`] at the end; less when the memory of the job has no
-//! room for them. Beyond that the shortest neighbours
-//! become one bar, of the kind that took the largest part of it.
+//! *Invariant:* never more than twice [`MOST`] bars in memory, [`MOST`] at the end; less when the memory of the job has
+//! no room for them. Beyond that the shortest neighbours become one bar, of the kind that took the largest part of it.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! The timeline as a picture: a row for each channel with its tools above, the time below, lines where channels met.
 //!
-//! With more sync points than [`READABLE`], detail plots follow below the whole: the same rows, each for a part of the time.
-//! *Invariant:* the size of the picture depends on its width in pixels, not on the length of the log.
+//! With more sync points than [`READABLE`], detail plots follow below the whole: the same rows, each for a part of the
+//! time. *Invariant:* the size of the picture depends on its width in pixels, not on the length of the log.
 
 mod critical;
 mod layout;

@@ -1,8 +1,8 @@
 //! The path of live tools as seen on the face of the part: the view of moves of a C axis or a Y axis.
 //!
-//! Points are those of the part, not of the machine: the tool at radius X and height Y, turned by the angle of C. Moves of
-//! polar interpolation, whose axes follow a straight line on the face, are straight here as well. *Invariant:* only tools
-//! whose moves turn C or move Y are kept, so that turning tools leave no trace.
+//! Points are those of the part, not of the machine: the tool at radius X and height Y, turned by the angle of C. Moves
+//! of polar interpolation, whose axes follow a straight line on the face, are straight here as well. *Invariant:* only
+//! tools whose moves turn C or move Y are kept, so that turning tools leave no trace.
 
 use counterpoint_event::event::{FileId, Motion, MotionKind, Position};
 use counterpoint_event::info;

@@ -1,10 +1,10 @@
-//! The toolpath as a picture: for lathes Z and X, and the face of the part where live tools work; for mills from above, from the
-//! front, and in space.
+//! The toolpath as a picture: for lathes Z and X, and the face of the part where live tools work; for mills from above,
+//! from the front, and in space.
 //!
-//! The frame fits the cutting moves; rapids beyond it are cut at its border. Every tool has a colour, rapids are grey, holes and
-//! places where a channel stopped have marks, and every line says on hover which block it comes from. *Invariant:* aspect is
-//! preserved, all views with scales have one scale, and of a long path only lines that change the picture are drawn, in a
-//! bounded number of pieces.
+//! The frame fits the cutting moves; rapids beyond it are cut at its border. Every tool has a colour, rapids are grey,
+//! holes and places where a channel stopped have marks, and every line says on hover which block it comes from.
+//! *Invariant:* aspect is preserved, all views with scales have one scale, and of a long path only lines that change
+//! the picture are drawn, in a bounded number of pieces.
 
 mod canvas;
 mod colors;

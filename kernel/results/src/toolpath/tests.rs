@@ -415,7 +415,8 @@ fn programs_in_inches_are_shown_in_inches() {
     assert!(svg.contains(">X / mm</text>") && svg.contains(">200</text>"), "{svg}");
 }
 
-/// Live tools work where the part has been turned to: holes on a circle, a straight side by polar interpolation, an arc by C.
+/// Live tools work where the part has been turned to: holes on a circle, a straight side by polar interpolation, an arc
+/// by C.
 #[test]
 fn the_face_of_the_part_shows_the_work_of_live_tools() {
     let info = lathe(&["x"]);

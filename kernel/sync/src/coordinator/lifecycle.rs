@@ -28,7 +28,8 @@ impl Coordinator {
         let mut inner = self.lock();
         last(&mut inner.order);
         inner.order.done(channel);
-        // A kernel that continues because of this end does so in the log before the merger stops waiting for this channel.
+        // A kernel that continues because of this end does so in the log before the merger stops waiting for this
+        // channel.
         self.apply(&mut inner);
         inner.send(Message::Done(channel));
         if self.limited {

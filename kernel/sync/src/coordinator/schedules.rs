@@ -1,4 +1,5 @@
-//! The coordinator on threads whose schedules are tried out: `cargo test -p counterpoint-sync --features shuttle schedules`.
+//! The coordinator on threads whose schedules are tried out: `cargo test -p counterpoint-sync --features shuttle
+//! schedules`.
 //!
 //! All possible next operations are explored in `order/explore.rs`; here are the locks, signals and bounds in memory.
 

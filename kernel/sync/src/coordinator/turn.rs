@@ -1,7 +1,7 @@
 //! How a kernel gets its turn, and how it waits for its partners.
 //!
-//! Invariant: a kernel that sleeps has sent all its events before, so the merger never waits for it; before that it waits for
-//! a moment, since most partners are only a few blocks away.
+//! Invariant: a kernel that sleeps has sent all its events before, so the merger never waits for it; before that it
+//! waits for a moment, since most partners are only a few blocks away.
 
 use std::ops::{Deref, DerefMut};
 

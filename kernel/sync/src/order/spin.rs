@@ -83,8 +83,9 @@ impl Order {
         self.rouse();
     }
 
-    /// A pass of the channel that acts ends and has only read; `begun` has the changes at its begin if the channel is in the same
-    /// state as then. `every`: the pass has read at one instant, and so long after it, ns, the next one begins.
+    /// A pass of the channel that acts ends and has only read; `begun` has the changes at its begin if the channel is
+    /// in the same state as then. `every`: the pass has read at one instant, and so long after it, ns, the next one
+    /// begins.
     pub fn lap(&mut self, tag: Tag, lap: Lap, begun: Option<u64>, names: &Arc<str>, every: Option<i64>) -> After {
         let (changes, channel) = (self.changes, tag.channel);
         if begun != Some(changes) {

@@ -1,7 +1,7 @@
 //! Order: a channel passes a number when all the others have reached it or a larger one.
 //!
-//! *Invariant:* numbers of a channel never descend, so channels cannot wait for each other in a circle. Facts: reference
-//! channel-synchronisation.md 1.5 (P of a turret).
+//! *Invariant:* numbers of a channel never descend, so channels cannot wait for each other in a circle. Facts:
+//! reference channel-synchronisation.md 1.5 (P of a turret).
 
 use std::collections::BTreeMap;
 

@@ -2,8 +2,8 @@
 //!
 //! Each job is listed under some terms, each term of one tenant: its state, its machine with and without revision, and
 //! each of its labels. A query asks each term in turn for the next identity from where the others are, until all agree.
-//! Invariants: a job is listed under exactly the terms of its row; a query takes a bounded number of steps and then gives
-//! the place to continue from.
+//! Invariants: a job is listed under exactly the terms of its row; a query takes a bounded number of steps and then
+//! gives the place to continue from.
 
 use std::collections::BTreeSet;
 use std::ops::Bound::{Excluded, Included, Unbounded};

@@ -66,8 +66,8 @@ fn terms_and_usage(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal
     usage::count_all(txn)
 }
 
-/// 6 → 7: ended jobs are listed with their tenants, and the time that tenants have used is processor time in µs. The time by
-/// the clock of the last day counts as such.
+/// 6 → 7: ended jobs are listed with their tenants, and the time that tenants have used is processor time in µs. The
+/// time by the clock of the last day counts as such.
 fn ended_of_tenants(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
     retention::with_tenants(txn)?;
     usage::count_all(txn)?;

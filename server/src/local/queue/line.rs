@@ -1,7 +1,7 @@
 //! The line of one tenant: its jobs that wait, by urgency and age, and its debt to the others.
 //!
-//! Invariant: `held` counts every job of the tenant that waits anywhere in the queue, `running` those on workers; a line
-//! without both is dropped with its account.
+//! Invariant: `held` counts every job of the tenant that waits anywhere in the queue, `running` those on workers; a
+//! line without both is dropped with its account.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};

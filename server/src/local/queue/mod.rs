@@ -1,8 +1,8 @@
 //! The queue in memory: a server that starts fills it from its ledger.
 //!
-//! Tenants take turns as in deficit round robin: at its turn a tenant gets a quantum of time, it starts jobs while it has
-//! credit, and each run is charged with the time that it took. Invariants: a tenant with jobs in its line stands in the
-//! ring exactly once; a question about a job's place costs the logarithm of the line's length, and a step a tenant.
+//! Tenants take turns as in deficit round robin: at its turn a tenant gets a quantum of time, it starts jobs while it
+//! has credit, and each run is charged with the time that it took. Invariants: a tenant with jobs in its line stands in
+//! the ring exactly once; a question about a job's place costs the logarithm of the line's length, and a step a tenant.
 
 mod line;
 mod places;
@@ -88,8 +88,8 @@ impl LocalQueue {
         most == 0 || self.lines.get(tenant).is_none_or(|line| line.running < most)
     }
 
-    /// The tenant whose turn it is. Tenants that have used up their credit go to the end; when all have, all get as many
-    /// quanta as the one that needs the fewest.
+    /// The tenant whose turn it is. Tenants that have used up their credit go to the end; when all have, all get as
+    /// many quanta as the one that needs the fewest.
     fn turn(&mut self) -> Option<Arc<str>> {
         let able: Vec<Arc<str>> = self.ring.iter().filter(|tenant| self.may_run(tenant)).cloned().collect();
         let lines = &self.lines;

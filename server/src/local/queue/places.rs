@@ -14,8 +14,8 @@ pub(super) struct Places {
 const SMALLEST: usize = 1024;
 
 impl Places {
-    /// Counts an ordinal that is larger than all before; `kept` are those that have not been removed, ascending, without
-    /// the new one.
+    /// Counts an ordinal that is larger than all before; `kept` are those that have not been removed, ascending,
+    /// without the new one.
     pub(super) fn push<'a>(&mut self, ordinal: u64, kept: impl Iterator<Item = &'a u64> + Clone) {
         if ordinal.saturating_sub(self.base) >= self.tree.len() as u64 {
             self.base = kept.clone().next().map_or(ordinal, |first| *first) - 1;

@@ -1,8 +1,8 @@
 //! Blocks between two moves of a contour: which ones the control looks through.
 //!
-//! Facts: Fanuc B-63664EN/02 and Mitsubishi M700V, blocks without movement in the offset mode: few of them in a row change
-//! nothing; more of them, and blocks that keep the control from reading ahead, let the move end beside its own end.
-//! *Invariant:* an inside corner that is cut into for this reason is reported.
+//! Facts: Fanuc B-63664EN/02 and Mitsubishi M700V, blocks without movement in the offset mode: few of them in a row
+//! change nothing; more of them, and blocks that keep the control from reading ahead, let the move end beside its own
+//! end. *Invariant:* an inside corner that is cut into for this reason is reported.
 
 use super::{corner, smooth};
 use crate::act::Act;
@@ -60,7 +60,8 @@ fn stays_in_machine_frame(act: &Act<'_, '_>) -> bool {
     act.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added
 }
 
-/// Calls and returns are statements of the program's flow, as those of custom macros; they are no blocks without a move.
+/// Calls and returns are statements of the program's flow, as those of custom macros; they are no blocks without a
+/// move.
 fn leads_on(code: CodeId) -> bool {
     matches!(code, codes::CALSUB_ID | codes::CALSUB_RANGE | codes::CALSUB_RETURN)
 }

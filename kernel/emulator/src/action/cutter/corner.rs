@@ -1,8 +1,8 @@
 //! Corners between the moves of a contour, with compensation and without.
 //!
-//! A move with a corner waits until the next one is known, as under compensation; without compensation the waiting is that
-//! of a tool that stays on the contour. *Invariant:* the moves of a corner belong to the block that asked for it, and come
-//! right after the move of that block. Facts: reference turning-cycles.md 7, siemens-cycles.md.
+//! A move with a corner waits until the next one is known, as under compensation; without compensation the waiting is
+//! that of a tool that stays on the contour. *Invariant:* the moves of a corner belong to the block that asked for it,
+//! and come right after the move of that block. Facts: reference turning-cycles.md 7, siemens-cycles.md.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Facts};

@@ -1,7 +1,7 @@
 //! The moves of the tool beside a contour.
 //!
-//! *Invariant:* every move is an ordinary motion, made from the tool's position; `Place::position` is that of the tool's
-//! centre (on a lathe of the imaginary tip). The feed is that of this point.
+//! *Invariant:* every move is an ordinary motion, made from the tool's position; `Place::position` is that of the
+//! tool's centre (on a lathe of the imaginary tip). The feed is that of this point.
 
 use counterpoint_fault::Acted;
 use counterpoint_machine::index::{AxisSlot, BySlot};

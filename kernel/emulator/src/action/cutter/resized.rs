@@ -1,7 +1,8 @@
 //! A change of the offset value while compensation is active on the same side.
 //!
-//! The move of the block starts at the end point of the old radius and ends at the end point of the new radius (B-63844EN/02
-//! 14.4.4, change of the offset amount). *Invariant:* the pending move does not change: its end is that of the old radius.
+//! The move of the block starts at the end point of the old radius and ends at the end point of the new radius
+//! (B-63844EN/02 14.4.4, change of the offset amount). *Invariant:* the pending move does not change: its end is that
+//! of the old radius.
 
 use super::{before, compensated_plane, contour_allowance, no_radius, switched};
 use crate::act::Act;
@@ -47,7 +48,8 @@ impl Act<'_, '_> {
         }
     }
 
-    /// The radius that a number of the block has selected counts from the end of its move on; an arc begins beside its start.
+    /// The radius that a number of the block has selected counts from the end of its move on; an arc begins beside its
+    /// start.
     pub(super) fn resize(&mut self, step: &Step, element: &Element) -> Acted {
         let Some(cutter) = self.cutter() else { return Ok(()) };
         let Some((radius, tip)) = cutter.resized.take() else { return Ok(()) };

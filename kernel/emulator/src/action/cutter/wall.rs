@@ -3,8 +3,8 @@
 //! The code that starts compensation gives the vector at the end of its block. The code that ends it gives the
 //! direction of the wall behind the contour. The last move then ends where its offset and the offset of the wall meet.
 //!
-//! Facts: operator's manuals of Fanuc controls, cutter compensation, cancel with I J K: the intersection counts inside and
-//! outside; without one the move ends beside its own end. *Invariant:* no move is made to the wall itself.
+//! Facts: operator's manuals of Fanuc controls, cutter compensation, cancel with I J K: the intersection counts inside
+//! and outside; without one the move ends beside its own end. *Invariant:* no move is made to the wall itself.
 
 use super::compensated_plane;
 use crate::act::Act;

@@ -2,8 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 6.4 (data, order, modality); the moves of each kind are those of the emulated
 //! system's cycles. Invariants: the values of a cycle live from its first block to its cancellation and can be read
-//! until the next one begins; every move inside a cycle is an ordinary motion; nothing is allocated per block. Decisions:
-//! docs/emulation.md, "Canned cycles".
+//! until the next one begins; every move inside a cycle is an ordinary motion; nothing is allocated per block.
+//! Decisions: docs/emulation.md, "Canned cycles".
 
 mod path;
 mod webs;

@@ -1,4 +1,5 @@
-//! Actions by which contour blocks are read: moves are recorded with their corners, everything else is skipped or refused.
+//! Actions by which contour blocks are read: moves are recorded with their corners, everything else is skipped or
+//! refused.
 //!
 //! Facts: reference turning-cycles.md 1.3. The actions of moves are those of the control; their motion is recorded.
 //! *Invariant:* nothing moves, takes time or reaches another channel.

@@ -1,8 +1,8 @@
 //! Turning cycles: a contour roughed, repeated or finished, pecks along one axis, one cut and back.
 //!
-//! Facts: reference turning-cycles.md 2 to 4; the moves are those of `counterpoint_motion::turning`. *Invariant:* a cycle
-//! ends where it began; every move inside is an ordinary motion of the cycle's block; a pass counts as a block, so that
-//! limits and cancelling reach it. Decisions: docs/emulation.md, "Turning cycles".
+//! Facts: reference turning-cycles.md 2 to 4; the moves are those of `counterpoint_motion::turning`. *Invariant:* a
+//! cycle ends where it began; every move inside is an ordinary motion of the cycle's block; a pass counts as a block,
+//! so that limits and cancelling reach it. Decisions: docs/emulation.md, "Turning cycles".
 
 mod contour;
 mod lap;

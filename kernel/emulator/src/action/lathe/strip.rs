@@ -1,7 +1,7 @@
 //! Stock removal along a contour that a subprogram has described (Siemens CYCLE95).
 //!
-//! Facts: reference siemens-cycles.md 1.6 and 6; the moves are those of `counterpoint_motion::turning::strip`. *Invariant:* a
-//! contour that cannot be cut is an alarm of the control, and nothing has moved.
+//! Facts: reference siemens-cycles.md 1.6 and 6; the moves are those of `counterpoint_motion::turning::strip`.
+//! *Invariant:* a contour that cannot be cut is an alarm of the control, and nothing has moved.
 
 use counterpoint_motion::turning::strip::{Removal, Strip, Wrong};
 

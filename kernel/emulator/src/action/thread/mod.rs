@@ -2,7 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (lead = pitch · starts); the lead counts along the axis with the longer
 //! travel as on the real control, unless a word names its axis; cycles of such moves are in `cycle`. *Invariant:* the
-//! time is integrated exactly, with leads and speeds that change along the way. Decisions: docs/emulation.md, "Threads".
+//! time is integrated exactly, with leads and speeds that change along the way. Decisions: docs/emulation.md,
+//! "Threads".
 
 mod arc;
 pub(crate) mod cycle;
@@ -90,8 +91,8 @@ fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
     (act.remembered_lead(), sides)
 }
 
-/// The pitch along X, Y or Z: of several that of the longest travel, of equal ones the last; one whose axis stands counts
-/// along the longest travel of all axes.
+/// The pitch along X, Y or Z: of several that of the longest travel, of equal ones the last; one whose axis stands
+/// counts along the longest travel of all axes.
 fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
     let changes = act.changes(&act.state.place.position, target);
     let axes = &act.state.place.layout.cartesian;

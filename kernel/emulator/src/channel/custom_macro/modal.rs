@@ -81,8 +81,8 @@ impl ModalCalls {
 }
 
 impl Kernel<'_> {
-    /// A G word of the dialect that calls macros, which a block without a code for it may have; the one that ends modal calls
-    /// does so at once.
+    /// A G word of the dialect that calls macros, which a block without a code for it may have; the one that ends modal
+    /// calls does so at once.
     #[cold]
     pub(crate) fn macro_call_of(&mut self, g: f64) -> Option<MacroCall> {
         let call = self.dialect.kind.macro_call(g);

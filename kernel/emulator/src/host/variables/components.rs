@@ -1,7 +1,7 @@
 //! Variables of the components of a composite machine.
 //!
-//! *Invariant:* blank and none on a machine that is not a composite, and in a master kernel where no component works. Facts:
-//! reference system-variables.md.
+//! *Invariant:* blank and none on a machine that is not a composite, and in a master kernel where no component works.
+//! Facts: reference system-variables.md.
 
 use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::{Kind, Value};

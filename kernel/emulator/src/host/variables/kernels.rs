@@ -1,8 +1,8 @@
 //! Which input file each kernel gets: `$MCEMCD`, `$MCEINP`, `$MFIKER`, the names of the files, `$MFINAM`, and
 //! the channels of the model that kernels and their files start on, `$MCECHN`, `$MFICHN`, `$VMCHN`.
 //!
-//! *Invariant:* there is one truth, the program of each kernel; an index of a file is another way to say it, so that the
-//! later assignment wins. Facts: reference system-variables.md 17.
+//! *Invariant:* there is one truth, the program of each kernel; an index of a file is another way to say it, so that
+//! the later assignment wins. Facts: reference system-variables.md 17.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};

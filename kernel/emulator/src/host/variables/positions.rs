@@ -1,7 +1,7 @@
 //! `$XM`, `$LZJ`, `$YW` …: positions of the axes of the channel.
 //!
-//! *Invariant:* an axis that the channel does not have is at 0. Programmed units: a diameter on a diameter axis, degrees
-//! on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
+//! *Invariant:* an axis that the channel does not have is at 0. Programmed units: a diameter on a diameter axis,
+//! degrees on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
 
 use crate::channel::Kernel;
 use counterpoint_machine::ident::kind::data::DataKind;

@@ -1,8 +1,8 @@
 //! Times, feeds and speeds by tool and by operation: `$TLSUM`, `$OPSUM`.
 //!
-//! Facts: reference system-variables.md 13, 14: columns 1 to 3 seconds of feed, positioning and everything else, 4
-//! and 5 smallest and largest feed per minute (10000 and −1 before any), 6 and 7 smallest and largest rev/min (0
-//! before any), taken at the ends of motions. *Invariant:* row 1 is neither a tool nor an operation; every second belongs to
+//! Facts: reference system-variables.md 13, 14: columns 1 to 3 seconds of feed, positioning and everything else, 4 and
+//! 5 smallest and largest feed per minute (10000 and −1 before any), 6 and 7 smallest and largest rev/min (0 before
+//! any), taken at the ends of motions. *Invariant:* row 1 is neither a tool nor an operation; every second belongs to
 //! one row, waiting to the third column. Decision: the feed per minute of a motion is its length by its time.
 
 /// The content of one row.

@@ -1,9 +1,8 @@
 //! How far axes went, by tool and by operation: `$TLMIN`, `$TLMAX`, `$OPMIN`, `$OPMAX`.
 //!
-//! Facts: reference system-variables.md 13, 14: columns 1 to 3 X Y Z, 4 to 6 U V W, 7 to 9 A B C as tables,
-//! 10 to 12 A B C as heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decision:
-//! positions are those of `$XM`, arcs with their extremes. *Invariant:* an axis that has not moved in a row has no position
-//! there.
+//! Facts: reference system-variables.md 13, 14: columns 1 to 3 X Y Z, 4 to 6 U V W, 7 to 9 A B C as tables, 10 to 12 A
+//! B C as heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decision: positions are
+//! those of `$XM`, arcs with their extremes. *Invariant:* an axis that has not moved in a row has no position there.
 
 /// Columns of the tables.
 pub(crate) const COLUMNS: usize = 15;

@@ -12,8 +12,8 @@
 //! and rates of rapids all use these two. Changes of programmed words before they are points are in
 //! [`Channel::work_point`] and [`Channel::programmed`]; polar interpolation is there, since events name the axes.
 //!
-//! Under compensation of the cutter radius `Place::position` is where the tool is, and [`Channel::contour`] the point of the
-//! work frame that the program has reached.
+//! Under compensation of the cutter radius `Place::position` is where the tool is, and [`Channel::contour`] the point
+//! of the work frame that the program has reached.
 //!
 //! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.

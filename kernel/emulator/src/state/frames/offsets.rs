@@ -1,8 +1,8 @@
 //! Offsets of the control while it runs: those of the machine definition, and later values of macros.
 //!
 //! Values are by channel axis, as programmed. Base values are added for every number, of fixtures even when none is
-//! active. *Invariant:* an offset that has not been set is that of the definition; one that does not exist is zero. Facts:
-//! reference functions.md 12.
+//! active. *Invariant:* an offset that has not been set is that of the definition; one that does not exist is zero.
+//! Facts: reference functions.md 12.
 
 use counterpoint_machine::index::BySlot;
 use std::collections::BTreeMap;
@@ -122,8 +122,8 @@ impl Channel<'_> {
         true
     }
 
-    /// Stores an offset, which is not in force before the frame is made again; `false` when there is no room for it or it
-    /// is out of all bounds.
+    /// Stores an offset, which is not in force before the frame is made again; `false` when there is no room for it or
+    /// it is out of all bounds.
     pub(crate) fn store_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
         if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
             return false;

@@ -1,10 +1,11 @@
 //! Polar and cylindrical interpolation: points of the part that one linear and one rotary axis reach together.
 //!
-//! The part has coordinates of its own. On its face (polar) the first one is along the linear axis when the interpolation
-//! begins, the second one across, both as geometry (radii). On a cylinder one is along its axis, the other is the travel
-//! round its surface. Positions stay those of the real axes; the program says coordinates (Cartesian), or the words of the
-//! axes, and moves are straight or round on the part. Facts: reference control-emulator.md 6.8, turning-cycles.md 10.
-//! *Invariant:* on the face the rotary axis never turns further than the move goes round the centre.
+//! The part has coordinates of its own. On its face (polar) the first one is along the linear axis when the
+//! interpolation begins, the second one across, both as geometry (radii). On a cylinder one is along its axis, the
+//! other is the travel round its surface. Positions stay those of the real axes; the program says coordinates
+//! (Cartesian), or the words of the axes, and moves are straight or round on the part. Facts: reference
+//! control-emulator.md 6.8, turning-cycles.md 10. *Invariant:* on the face the rotary axis never turns further than the
+//! move goes round the centre.
 
 use super::{Frames, NOISE, clean};
 use crate::state::channel::Channel;
@@ -45,7 +46,8 @@ enum Shape {
     },
 }
 
-/// A position of an axis without the noise of its computation; finer than a coordinate, which is computed from it again.
+/// A position of an axis without the noise of its computation; finer than a coordinate, which is computed from it
+/// again.
 fn fine(value: f64, old: f64) -> f64 {
     const PER_UNIT: f64 = 1e12;
     if (value - old).abs() < NOISE {
@@ -135,7 +137,8 @@ impl Polar {
         }
     }
 
-    /// Puts the axes to a point of the part. `round`: degrees of the way round the centre of a face from where they stand.
+    /// Puts the axes to a point of the part. `round`: degrees of the way round the centre of a face from where they
+    /// stand.
     pub(crate) fn reach(&self, place: &Place, real: &mut Position, to: [f64; 2], round: f64) {
         let stands = place.position.at(self.rotary);
         match self.shape {

@@ -53,7 +53,8 @@ impl Channel<'_> {
         in_force.length_held.unwrap_or_else(|| self.directed(self.worn_length(in_force.length_number)))
     }
 
-    /// Called before an offset gets new values: if the control changes the active values only by a word, keeps the old ones.
+    /// Called before an offset gets new values: if the control changes the active values only by a word, keeps the old
+    /// ones.
     pub(crate) fn hold_length(&mut self, table: Table, number: u32) {
         let in_force = &self.state.place.in_force;
         let concerns = table != Table::Work && number == in_force.length_number && in_force.length_sign != 0.0;
@@ -71,7 +72,8 @@ impl Channel<'_> {
         axes != 0
     }
 
-    /// The offset that the tool adds to positions of the machine frame; under tool centre point control these are axis positions.
+    /// The offset that the tool adds to positions of the machine frame; under tool centre point control these are axis
+    /// positions.
     pub(crate) fn tool_in_machine_frame(&self) -> Position {
         let added = self.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added;
         if added && self.tip().is_none() { self.tool_shift() } else { [0.0; MAX_AXES] }

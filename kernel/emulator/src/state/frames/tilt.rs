@@ -1,11 +1,12 @@
 //! Tilted planes: the program counts in a plane that lies on the part as it likes.
 //!
 //! While one is active the work frame is that of the plane: its zero and its axes lie in the frame that the program has
-//! without it (`Tilted::map`), which is the part with the tables at zero. Once the rotary axes have turned into the plane, or
-//! count as if they had, the linear axes follow the part and the tool to where they then are, as under tool tip control; words
-//! of rotary axes move nothing else. *Invariant:* making, turning and ending a plane never moves the linear axes, but for a
-//! turn that keeps the tool on the part. Facts: reference heidenhain-cycles.md 6, siemens-cycles.md 2; Fanuc user's manual
-//! B-63944EN 21.2 (the plane turns with the table at G53.1). Decisions: docs/emulation.md, "Tilted planes".
+//! without it (`Tilted::map`), which is the part with the tables at zero. Once the rotary axes have turned into the
+//! plane, or count as if they had, the linear axes follow the part and the tool to where they then are, as under tool
+//! tip control; words of rotary axes move nothing else. *Invariant:* making, turning and ending a plane never moves the
+//! linear axes, but for a turn that keeps the tool on the part. Facts: reference heidenhain-cycles.md 6,
+//! siemens-cycles.md 2; Fanuc user's manual B-63944EN 21.2 (the plane turns with the table at G53.1). Decisions:
+//! docs/emulation.md, "Tilted planes".
 
 use crate::state::channel::Channel;
 use crate::state::position::Place;
@@ -34,7 +35,8 @@ pub(crate) struct Tilted {
     outer: Local,
     /// Where the rotary axes are to be, once that is known.
     pub(crate) angles: Option<Turned>,
-    /// Where the tables bring the part, the way back, and where the heads bring the tool; nothing before it is turned into.
+    /// Where the tables bring the part, the way back, and where the heads bring the tool; nothing before it is turned
+    /// into.
     bring: Option<[Affine; 3]>,
     /// Part of the shift that is the tool, by channel axis.
     tool: Position,
@@ -253,8 +255,8 @@ impl Channel<'_> {
         chain.reach(map.direction(z), &rule, |axis| self.stand(axis))
     }
 
-    /// The rotary axis of the table that carries the part, with its direction as the program sees it; none without one or under
-    /// control of the tip.
+    /// The rotary axis of the table that carries the part, with its direction as the program sees it; none without one
+    /// or under control of the tip.
     pub(crate) fn part_table(&self) -> Option<(AxisSlot, Point)> {
         let machine = self.machine_point(&self.state.place.position);
         let chain = self.chain();

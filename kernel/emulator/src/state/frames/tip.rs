@@ -1,7 +1,7 @@
 //! Tool tip control: the program gives the position of the tool tip on the part, for any position of the rotary axes.
 //!
-//! While it is active a point of the work frame is that of the tip with the tables at zero; the linear axes follow. Facts:
-//! reference control-emulator.md 6.8. *Invariant:* switching it never moves the machine.
+//! While it is active a point of the work frame is that of the tip with the tables at zero; the linear axes follow.
+//! Facts: reference control-emulator.md 6.8. *Invariant:* switching it never moves the machine.
 
 use crate::state::channel::Channel;
 use crate::state::position::Place;

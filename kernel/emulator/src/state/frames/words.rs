@@ -1,7 +1,7 @@
 //! Words of the plane that are a radius and an angle (polar coordinate command).
 //!
-//! *Invariant:* nothing is remembered but the words of the last block, for holes that repeat it: a word that is missing is
-//! that of the place where the tool stands. Decisions: docs/emulation.md, "Polar coordinate command".
+//! *Invariant:* nothing is remembered but the words of the last block, for holes that repeat it: a word that is missing
+//! is that of the place where the tool stands. Decisions: docs/emulation.md, "Polar coordinate command".
 
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::contour::element::{direction, plus};

@@ -1,7 +1,8 @@
 //! The stores of most recently used values.
 //!
-//! *Invariant:* a store is read when it is opened and written when it is closed, in a small XML form of its own: a `key`
-//! per line group, a `param` per line. Facts: reference functions.md 7; the form of the file is this project's choice.
+//! *Invariant:* a store is read when it is opened and written when it is closed, in a small XML form of its own: a
+//! `key` per line group, a `param` per line. Facts: reference functions.md 7; the form of the file is this project's
+//! choice.
 
 use super::{FAILED, Folder, Shelf, text};
 use crate::fault::Outcome;

@@ -5,8 +5,8 @@
 pub enum DataKind {
     /// Data without a family; custom data of a machine are of this kind.
     Plain,
-    /// Position of an axis, with the letter that `$AXES` gives it: a small one for a table and for the second attachable
-    /// axis.
+    /// Position of an axis, with the letter that `$AXES` gives it: a small one for a table and for the second
+    /// attachable axis.
     Axis(char),
     /// Shape of an arc.
     Arc,

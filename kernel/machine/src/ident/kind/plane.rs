@@ -3,7 +3,8 @@
 /// How a block says where a plane lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// As the data of the form say: 0 Euler, 1 fixed axes, 2 points, 3 directions, 4 projections, 5 turned axes, 6 positions.
+    /// As the data of the form say: 0 Euler, 1 fixed axes, 2 points, 3 directions, 4 projections, 5 turned axes, 6
+    /// positions.
     Said,
     /// Angles about Z, the turned X and the turned Z.
     Euler,

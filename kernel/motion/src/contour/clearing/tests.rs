@@ -80,7 +80,8 @@ fn a_square_with_a_round_island() {
     assert_eq!((ways[0][0].from, ways[1][0].from), ([3.0, 20.0], [12.0, 20.0]));
     assert!(ways[1].iter().all(|piece| piece.arc.is_some_and(|arc| arc.radius == 8.0 && arc.sweep < 0.0)));
     assert_eq!(clearing.plunges(&rows), [[3.0, 20.0], [28.0, 20.0]]);
-    // With seven lines the third one is the first that meets the island: the cuts on its left go on, those on the right are a row of their own.
+    // With seven lines the third one is the first that meets the island: the cuts on its left go on, those on the right
+    // are a row of their own.
     let rows = clearing.rows(34.0 / 8.0, 100);
     let right = [20.0 + (64.0_f64 - 4.25 * 4.25).sqrt(), 15.75];
     assert_eq!((rows.len(), rows[0][0].from), (2, [3.0, 7.25]));
@@ -95,7 +96,8 @@ fn a_passage_that_is_too_narrow_is_left() {
     let rings = [square(0.0, 0.0, 40.0), circle([7.5, 20.0], 2.5)];
     let clearing = Clearing::of(&area(&rings), 3.0).unwrap();
     assert_eq!(clearing.ways(&[]).len(), 1);
-    // The room is the square of 34 without the circle of 5.5 as far as it lies within: to X3 from the middle 7.5 it is cut at 4.5.
+    // The room is the square of 34 without the circle of 5.5 as far as it lies within: to X3 from the middle 7.5 it is
+    // cut at 4.5.
     let angle = libm::acos(4.5 / 5.5);
     let cut = 5.5 * 5.5 * (angle - libm::sin(angle) * libm::cos(angle));
     let room: f64 = clearing.ways(&[]).iter().map(|way| size(way)).sum();
@@ -112,7 +114,8 @@ fn a_spigot_is_reached_from_outside_of_its_blank() {
     // All rows begin outside.
     assert!(rows.iter().all(|row| row[0].from[0] < 0.0 || row[0].from[0] > 40.0), "{rows:?}");
     assert_eq!(clearing.ways(&rows).len(), 1);
-    // After a tool of 8 there is nothing left beside a square; a smaller one clears between two spigots that are 12 apart.
+    // After a tool of 8 there is nothing left beside a square; a smaller one clears between two spigots that are 12
+    // apart.
     area.follow(8.0, 0.0);
     assert!(Clearing::of(&area, 5.0).unwrap().ways(&[]).is_empty());
     let mut pair = super::tests::area(&[square(0.0, 0.0, 40.0), square(2.0, 15.0, 12.0), square(26.0, 15.0, 12.0)]);

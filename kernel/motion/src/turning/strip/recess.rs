@@ -1,8 +1,11 @@
-//! Grooves of any shape by a tool with a flat end, which plunges beside itself, then goes along both flanks (Siemens CYCLE952).
+//! Grooves of any shape by a tool with a flat end, which plunges beside itself, then goes along both flanks (Siemens
+//! CYCLE952).
 //!
-//! Facts: operating manual of the control: plunges are 80 per cent of the width of the tool apart at most. Decisions: they follow each other in the direction
-//! of the contour, beside each other over the base and then on the flanks, each as deep as the whole width fits in, in steps of the depth of a level, between which the tool goes back by its lift; finishing goes down
-//! each flank with the edge on its side to the middle of the base. *Invariant:* no part of the end of the tool comes below the contour.
+//! Facts: operating manual of the control: plunges are 80 per cent of the width of the tool apart at most. Decisions:
+//! they follow each other in the direction of the contour, beside each other over the base and then on the flanks, each
+//! as deep as the whole width fits in, in steps of the depth of a level, between which the tool goes back by its lift;
+//! finishing goes down each flank with the edge on its side to the middle of the base. *Invariant:* no part of the end
+//! of the tool comes below the contour.
 
 use super::{Cut, Grid, Removal, Wrong};
 use crate::contour::element::Spot;
@@ -92,7 +95,8 @@ impl Removal<'_> {
         Some((falls, [begin, end]))
     }
 
-    /// Where the end of the tool begins in its plunges: beside each other over the base, then on both flanks as far as it fits.
+    /// Where the end of the tool begins in its plunges: beside each other over the base, then on both flanks as far as
+    /// it fits.
     fn plunges(&self, end: End) -> Vec<f64> {
         let (begin, last) = self.ends();
         let Some((_, base)) = self.base() else { return Vec::new() };

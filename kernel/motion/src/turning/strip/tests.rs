@@ -73,7 +73,8 @@ fn without_rounding_corners_remain() {
 
 #[test]
 fn allowances_and_finishing() {
-    // 0.5 along Z and 0.2 along X remain: the plateau of the slope's end is at X30.4, its walls half a millimetre earlier.
+    // 0.5 along Z and 0.2 along X remain: the plateau of the slope's end is at X30.4, its walls half a millimetre
+    // earlier.
     let strip = Strip { depth: 10.0, allowance: [0.5, 0.2], finish: true, ..PLAIN };
     let expected = [
         "R X42.4 Z1",
@@ -177,7 +178,8 @@ fn inside_and_along_x() {
 
 #[test]
 fn an_allowance_square_to_the_contour() {
-    // 1 from the slope of 45 degrees: its line begins 1.4142 earlier at its foot, 0.4142 after the plateau's new height.
+    // 1 from the slope of 45 degrees: its line begins 1.4142 earlier at its foot, 0.4142 after the plateau's new
+    // height.
     let slope = [(20.0, 0.0, 0.0), (20.0, -20.0, 0.0), (40.0, -30.0, 0.0)];
     let strip = Strip { depth: 0.0, around: 1.0, ..PLAIN };
     let expected = ["R X43.4142 Z1", "R X22", "F Z-19.5858", "F X41.4142 Z-29.2929", "R X43.4142 Z-28.2929", "R Z1"];

@@ -1,7 +1,7 @@
 //! Sync points as lines, and their marks in as many rows as they need.
 //!
-//! Of sync points closer together than a few pixels one line is drawn, whose mark names all of them. *Invariant:* marks of one
-//! row do not lie over each other; a mark that finds no place is still named by the hint of its line.
+//! Of sync points closer together than a few pixels one line is drawn, whose mark names all of them. *Invariant:* marks
+//! of one row do not lie over each other; a mark that finds no place is still named by the hint of its line.
 
 use super::scale::Scale;
 use super::{LEFT, RIGHT};

@@ -1,7 +1,7 @@
 //! The tools of one channel, above its bars.
 //!
-//! A tool with room for its number has a name, cut with an ellipsis; narrow ones show it under the mouse only. Invariant:
-//! a row has no more marks than it has pixels.
+//! A tool with room for its number has a name, cut with an ellipsis; narrow ones show it under the mouse only.
+//! Invariant: a row has no more marks than it has pixels.
 
 use std::fmt::Write as _;
 

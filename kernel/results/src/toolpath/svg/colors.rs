@@ -1,6 +1,7 @@
 //! Colours for tools: the first ones chosen by hand, further ones as far from all others as possible.
 //!
-//! *Invariant:* the same number of tools gives the same colours; none is grey, which marks rapids and moves without a tool.
+//! *Invariant:* the same number of tools gives the same colours; none is grey, which marks rapids and moves without a
+//! tool.
 
 /// Colours that differ well on white.
 const CHOSEN: [[u8; 3]; 12] = [

@@ -1,7 +1,7 @@
 //! Holes: places at which a tool goes down and returns, seen along the tool.
 //!
-//! *Invariant:* a tool that leaves a place sideways at its feed depth has made no hole; each place has one mark for each tool,
-//! regardless of the number of pecks.
+//! *Invariant:* a tool that leaves a place sideways at its feed depth has made no hole; each place has one mark for
+//! each tool, regardless of the number of pecks.
 
 use std::fmt::Write as _;
 

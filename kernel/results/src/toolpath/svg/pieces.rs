@@ -1,8 +1,8 @@
 //! The path of one channel in pieces that a reader can point at.
 //!
 //! A short path has a piece for every block, a long one for many blocks together. *Invariant:* there are no more than
-//! [`MOST`] pieces and three for every window, however long the path is, and pieces shorter than a few pixels are joined
-//! with the next ones.
+//! [`MOST`] pieces and three for every window, however long the path is, and pieces shorter than a few pixels are
+//! joined with the next ones.
 
 use super::frame::Frame;
 use super::pen::Pen;

@@ -1,8 +1,8 @@
 //! Threading cycles of lathes: one pass and back, or all passes of a thread.
 //!
-//! Facts: reference control-emulator.md 6.5 (data, moves of a pass, depths). Invariants: a cycle ends where it began; every
-//! move inside is an ordinary motion; a pass is never deeper than the end point. Decisions: docs/emulation.md, "Threading
-//! cycles".
+//! Facts: reference control-emulator.md 6.5 (data, moves of a pass, depths). Invariants: a cycle ends where it began;
+//! every move inside is an ordinary motion; a pass is never deeper than the end point. Decisions: docs/emulation.md,
+//! "Threading cycles".
 
 mod passes;
 mod path;

@@ -1,8 +1,8 @@
 //! How deep each pass of a thread goes.
 //!
-//! Facts: reference control-emulator.md 6.5. Modes: 0 steps fall evenly; 1 and 2 the same cross-section each pass, s·√k; 3
-//! and 4 the same step, k·s. *Invariant:* depths grow from pass to pass and end exactly at the depth less the finishing
-//! allowance; finishing passes go to the whole depth. There are [`MOST_PASSES`] at most.
+//! Facts: reference control-emulator.md 6.5. Modes: 0 steps fall evenly; 1 and 2 the same cross-section each pass,
+//! s·√k; 3 and 4 the same step, k·s. *Invariant:* depths grow from pass to pass and end exactly at the depth less the
+//! finishing allowance; finishing passes go to the whole depth. There are [`MOST_PASSES`] at most.
 
 /// Passes of a thread at most, finishing included.
 pub(super) const MOST_PASSES: usize = 1000;
