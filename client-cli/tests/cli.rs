@@ -359,7 +359,7 @@ fn exit_codes_tell_what_went_wrong() {
     assert_eq!(code(&counterpoint(&["run", &path, &path, &path, &path])), 2, "no machine to guess for four");
     assert_eq!(code(&counterpoint(&["nonsense"])), 2);
     assert_eq!(code(&counterpoint(&["jobs", "--server", "http://127.0.0.1:1"])), 3);
-    // A channel that waits for one without a program can never go on.
+    // A channel that waits for one without a program can never continue.
     let waits = program(folder.path(), "waits.nc", "O1\nM101 P12\nM30\n");
     assert_eq!(code(&counterpoint(&["run", "--machine", "fanuc-2path-lathe", &waits])), 1);
 }
@@ -415,7 +415,7 @@ fn a_table_of_tools_counts_for_one_run() {
     assert!(status == 2 && text.contains("wrong.csv:3: no axis has the name \"Q\""), "{status} {text}");
 }
 
-/// One table for all controls: the tool in force shifts the frame by 80 along Z, by 50 along X.
+/// One table for all controls: the active tool shifts the frame by 80 along Z, by 50 along X.
 #[test]
 fn a_table_of_tools_counts_on_every_control() {
     let folder = tempfile::tempdir().unwrap();

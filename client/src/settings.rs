@@ -111,7 +111,7 @@ impl Settings {
         self
     }
 
-    /// How long to go on trying when nothing succeeds; 60 s otherwise.
+    /// How long to continue trying when nothing succeeds; 60 s otherwise.
     #[must_use]
     pub fn with_patience(mut self, patience: Duration) -> Self {
         self.patience = patience;

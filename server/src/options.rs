@@ -1,8 +1,8 @@
 //! Settings of the server: flags over environment over configuration file over defaults.
 //!
-//! Invariant: every option exists in all three forms under one name (`queue` = `--queue` = `COUNTERPOINT_QUEUE`), but
-//! for the tables of single tenants, which only a file has; and [`Options::to_toml`] prints a file that gives the same
-//! options again.
+//! Invariant: every option exists in all three forms under one name (`queue` = `--queue` = `COUNTERPOINT_QUEUE`),
+//! except for the tables of single tenants, which only a file has; and [`Options::to_toml`] prints a file that gives
+//! the same options again.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;

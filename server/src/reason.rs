@@ -106,7 +106,7 @@ pub enum Refusal {
     /// The admission queue is full.
     #[error("the queue is full ({0} jobs)")]
     QueueFull(usize),
-    /// The server is going down; `cursor` is where a watch may go on.
+    /// The server is going down; `cursor` is where a watch may continue.
     #[error("the server is shutting down")]
     Draining {
         /// Last sequence number sent on the stream.

@@ -163,7 +163,7 @@ fn soft_blocks() -> impl Strategy<Value = String> {
     prop_oneof![4 => straight, 1 => arc, 3 => soft, 2 => other]
 }
 
-/// Lines do not go back but for calls, times never do, and every move begins where the one before has ended.
+/// Lines do not go back except for calls, times never do, and every move begins where the one before has ended.
 fn check(done: &Done, text: &str) {
     let channels: std::collections::BTreeSet<u16> = done.events.iter().map(|event| event.channel).collect();
     for channel in channels.into_iter().filter(|channel| *channel > 0) {

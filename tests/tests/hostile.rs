@@ -15,7 +15,7 @@ fn run(text: impl AsRef<[u8]>) -> Done {
     Work::texts(machine("fanuc-2path-lathe-exact", ""), &[text], limited()).run(None).expect("the job can be prepared")
 }
 
-/// On a machine that goes on after everything.
+/// On a machine that continues after everything.
 fn going_on(text: impl AsRef<[u8]>) -> Done {
     let machine = machine("fanuc-2path-lathe-exact", "[control]\nunknown_code = \"warn\"\nstops = false\n");
     Work::texts(machine, &[text], limited()).run(None).expect("the job can be prepared")

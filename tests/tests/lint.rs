@@ -21,7 +21,7 @@ fn judged(name: &str, programs: &[&str]) -> Summary {
     summary
 }
 
-/// Diagnostics with their channels and lines, but for those of severity 0 that are about the machine.
+/// Diagnostics with their channels and lines, except for those of severity 0 that are about the machine.
 fn found(summary: &Summary) -> Vec<(u32, u16, u32)> {
     let about_machine = 2_900_445;
     let of = summary.diagnostics.iter().filter(|diagnostic| diagnostic.number != about_machine);

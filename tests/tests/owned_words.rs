@@ -1,7 +1,7 @@
 //! Every code of every shipped machine beside a word of every axis: nothing moves in such a block unless the table here
 //! says so.
 //!
-//! A code that takes some axis words must not leave others to the motion code in force. The table lists the codes that
+//! A code that takes some axis words must not leave others to the active motion code. The table lists the codes that
 //! leave axis words to it, as their controls do, and those that move by themselves. *Invariant:* a code that is added
 //! to a machine and moves something is either right, and gets a row, or is a mistake.
 

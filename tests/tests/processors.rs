@@ -1,4 +1,4 @@
-//! Jobs of several channels come to their end on any machine: one processor, two, all, free and busy.
+//! Jobs of several channels end on any machine: one processor, two, all, free and busy.
 //!
 //! Every run is watched (`watchdog`), so a wake-up that is lost fails the test with the state of every kernel.
 

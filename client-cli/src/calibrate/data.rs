@@ -129,7 +129,7 @@ impl Datum {
         })
     }
 
-    /// Puts a value in force.
+    /// Makes a value active.
     pub(crate) fn put(&self, machine: &mut Machine, value: f64) {
         match self {
             Self::Acceleration(axis) => machine.axes[*axis].dynamics.acceleration = Some(value),

@@ -63,7 +63,7 @@ impl Stepper {
         Ok(Self { say, heard, lines: lines(), line: 0, person: std::io::stdin().is_terminal(), ended: None })
     }
 
-    /// Carries out the commands until the job has ended.
+    /// Executes the commands until the job has ended.
     pub(crate) async fn drive(mut self, interrupt: &Interrupt) -> Result<v1::JobStatus, Error> {
         self.stop(interrupt).await?;
         while self.ended.is_none() {

@@ -1,6 +1,6 @@
 //! Statements that several controls have: their actions, given the values of their operands.
 //!
-//! A statement is a constant of this file; each dialect that has it names it in a row of its table of key words, reads
+//! A statement is a constant of this file; each dialect that has it names it in a row of its table of keywords, reads
 //! the operands in its own notation and evaluates them. *Invariant:* a statement reaches its kernel only through
 //! `Host`.
 
@@ -70,7 +70,7 @@ impl PartialEq for Shared {
 }
 
 impl Shared {
-    /// The statement of a key word.
+    /// The statement of a keyword.
     pub(crate) fn of<K: PartialEq>(statements: Statements<K>, key: K) -> Option<&'static Self> {
         statements.iter().find(|(known, _)| *known == key).map(|(_, statement)| *statement)
     }

@@ -128,7 +128,7 @@ impl Act<'_, '_> {
         self.kernel.axis_diameter_factor(axis)
     }
 
-    /// The lead of a thread and the feed per revolution are one word that stays in force.
+    /// The lead of a thread and the feed per revolution are one word that stays active.
     pub(crate) fn lead_is_feed(&self) -> bool {
         self.kernel.plan.rules.lead_is_feed
     }

@@ -28,7 +28,7 @@ use counterpoint_sync::wait::{Absent, Act, Key, Lasts, Rule, Rules, Send, Set, S
 
 /// The rule of the start by a head; the marks of both heads follow.
 const START: u16 = 0;
-/// Letters of the marks of both heads: on each, at the begin of a stretch, at its end.
+/// Letters of the marks of both heads: on each, at the start of a stretch, at its end.
 const HEADS: [char; 3] = ['S', 'B', 'E'];
 /// The rule of a waiting code without a letter.
 const BARE: u16 = 4;

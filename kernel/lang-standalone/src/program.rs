@@ -1,4 +1,4 @@
-//! The NC program and the block in work.
+//! The NC program and the current block.
 //!
 //! *Invariant:* searching never moves the reading position. Facts: reference functions.md 9, macro-language.md 3.3.
 
@@ -44,7 +44,7 @@ pub struct NcProgram {
     pub(crate) block: Block,
 }
 
-/// Data of the block in work, modal values, active codes.
+/// Data of the current block, modal values, active codes.
 #[derive(Debug, Default)]
 pub(crate) struct Block {
     /// Identifiers with their values; none for a code without one.

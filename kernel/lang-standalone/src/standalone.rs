@@ -40,7 +40,7 @@ pub struct Standalone {
     pub disk: Disk,
     /// Settings by name.
     pub settings: BTreeMap<String, String>,
-    /// The NC program and the block in work.
+    /// The NC program and the current block.
     pub program: NcProgram,
     pub(crate) outside: Option<Box<dyn Outside>>,
     pub(crate) system: SystemTable,
@@ -115,7 +115,7 @@ impl Standalone {
         self.outside = Some(outside);
     }
 
-    /// Puts a code or data of the control's tables on the block in work; data become modal, too.
+    /// Puts a code or data of the control's tables on the current block; data become modal, too.
     pub fn put_on_block(&mut self, name: &str, value: f64) {
         let index = self.identifiers.index(name);
         let item = if name.starts_with("CODE_") { Value::Code(index) } else { Value::Register(index) };

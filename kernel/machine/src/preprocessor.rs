@@ -17,7 +17,7 @@ pub struct Row {
     pub semicolon_comments: bool,
     /// Statements of its own may be rows of `[[waits]]`.
     pub wait_statements: bool,
-    /// Such statements have key words in brackets.
+    /// Such statements have keywords in brackets.
     pub wait_keys: bool,
     /// The rewind-stop begins or ends names of programs, so no other text stands beside it.
     pub named_stops: bool,

@@ -76,11 +76,11 @@ pub enum Frame {
     Work,
     /// End of the last probing move, likewise.
     Skip,
-    /// Tool compensation in force.
+    /// Active tool compensation.
     Tool,
-    /// Wear in force.
+    /// Active wear.
     Wear,
-    /// Geometry in force.
+    /// Active geometry.
     Geometry,
     /// Always 0: following error, handle, distance to go.
     Zero,

@@ -100,7 +100,7 @@ pub struct LookAhead {
     ramp: Option<Ramp>,
 }
 
-/// A change of speed that may go on in the next piece.
+/// A change of speed that may continue in the next piece.
 #[derive(Debug, Clone, Copy)]
 struct Ramp {
     begun: f64,

@@ -19,6 +19,6 @@ pub enum State {
     NotStarted = 5,
     /// Stopped by a limit or cancel.
     Stopped = 6,
-    /// Can never go on.
+    /// Can never continue.
     Blocked = 7,
 }

@@ -202,7 +202,7 @@ pub trait Stepper: Sync {
     /// A kernel has come to something within its block; `true`: the run stops here.
     fn comes_to(&self, event: Event<'_>, seen: &mut dyn FnMut() -> Seen) -> bool;
 
-    /// For the only kernel of a job: waits until it may go on.
+    /// For the only kernel of a job: waits until it may continue.
     fn hold_alone(&self, channel: u16, common: &mut Common<'_>);
 
     /// A kernel continues with its block.

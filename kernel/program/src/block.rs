@@ -80,7 +80,7 @@ pub enum ContourEnd {
     Meets,
     /// Where the offsets meet, outside too.
     Sharp,
-    /// Outside both go on by a length, then an arc joins them.
+    /// Outside both continue by a length, then an arc joins them.
     Extended(f64),
     /// At its own end.
     Open,

@@ -12,7 +12,7 @@ use counterpoint_machine::Machine;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::rows::CodeForm;
 
-/// The words by which programs of a machine call others and come to their end, seen textually.
+/// The words by which programs of a machine call others and end, seen textually.
 #[derive(Debug, Clone)]
 pub struct Callers {
     words: Vec<String>,

@@ -1,8 +1,8 @@
-//! Where a statement starts among words: key words, as opposed to literal texts and unknown words that start with the
+//! Where a statement starts among words: keywords, as opposed to literal texts and unknown words that start with the
 //! same letters.
 //!
-//! Facts: reference control-emulator.md 5.4 (key words may be cut to two letters). *Invariant:* scanner and compiler
-//! ask the same question, so a line that one of them takes for words is never a statement for the other.
+//! Facts: reference control-emulator.md 5.4 (keywords may be cut to two letters). *Invariant:* scanner and compiler ask
+//! the same question, so a line that one of them takes for words is never a statement for the other.
 
 use super::by_first::Literals;
 use super::prefix_registers::{LiteralFirst, stands};
@@ -69,7 +69,7 @@ pub struct Number {
     pub fraction: u8,
 }
 
-/// A key word of statements, or the first letters of one, stands at a place: it begins and ends there with its letters,
+/// A keyword of statements, or the first letters of one, stands at a place: it begins and ends there with its letters,
 /// and no literal text that is longer stands there.
 #[inline]
 pub fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
@@ -83,7 +83,7 @@ pub fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
     !before.is_some_and(u8::is_ascii_alphabetic) && opens_key_word(names, line, at)
 }
 
-/// The letters at a place, two or more, are a key word or open one.
+/// The letters at a place, two or more, are a keyword or open one.
 fn opens_key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
     let rest = line.get(at..).unwrap_or_default();
     let length = rest.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();

@@ -118,7 +118,7 @@ fn text_of(source: &Option<Arc<Source>>) -> Option<Arc<Text>> {
     source.as_ref().map(|source| Arc::clone(source.text()))
 }
 
-/// The stretches of a file that have names: those of its channels, else its programs by name if there are several.
+/// The stretches of a file that have names: those of its channels, otherwise its programs by name if there are several.
 fn sections_of(source: &Source) -> Vec<Section> {
     if !source.sections().is_empty() {
         return source.sections().to_vec();

@@ -51,8 +51,8 @@ impl<'a> Readers<'a> {
         place.checked_sub(1).and_then(|place| self.others.get(place)).unwrap_or(&self.first)
     }
 
-    /// Place of the one that reads a program of the job: that of the channel which the program names, else of the next
-    /// channel from the left that no program names.
+    /// Place of the one that reads a program of the job: that of the channel which the program names, otherwise of the
+    /// next channel from the left that no program names.
     pub(super) fn of_program(&self, programs: &[Program], place: usize) -> usize {
         if self.others.is_empty() {
             return 0;

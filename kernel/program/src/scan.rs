@@ -209,7 +209,7 @@ impl Scanner {
         Kind::Words
     }
 
-    /// Anything that is not a word: returns where to go on.
+    /// Anything that is not a word: returns where to continue.
     fn other(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> usize {
         if let Some(next) = self.skip(line, at, byte, block) {
             return next;
@@ -259,7 +259,7 @@ impl Scanner {
         end
     }
 
-    /// A special register or a text that looks like a word at `at`: where to go on.
+    /// A special register or a text that looks like a word at `at`: where to continue.
     fn literal_first(
         &self,
         literal_first: &LiteralFirst,
@@ -300,7 +300,7 @@ impl Scanner {
         None
     }
 
-    /// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
+    /// A letter, `#` or `[` where a number was expected, or keywords: text for the pre-processor.
     fn opens_statement(&self, line: &[u8], at: usize) -> bool {
         prefix_registers::starts_expression(line, at + 1)
             || key_word(self.names(), line, at)

@@ -56,7 +56,7 @@ impl Sources {
 #[derive(Debug, Clone, Copy)]
 pub struct SeenSources<'a> {
     all: &'a Sources,
-    /// As the pre-processor in work reads them.
+    /// As the active pre-processor reads them.
     slots: &'a [Slot],
     channel: u16,
 }

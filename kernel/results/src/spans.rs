@@ -1,8 +1,9 @@
 //! Periods of use of the tools of a channel, and their work.
 //!
 //! The operation is the comment of the block that loads the tool, or of a line of comment next to it: that is where
-//! people and CAM systems write it. A tool with a name goes by that: its name in the machine's table, else the name by
-//! which the block calls it. *Invariant:* spans of a channel ascend and do not overlap; there are at most `MOST`.
+//! people and CAM systems write it. A tool with a name goes by that: its name in the machine's table, otherwise the
+//! name by which the block calls it. *Invariant:* spans of a channel ascend and do not overlap; there are at most
+//! `MOST`.
 
 use std::sync::Arc;
 

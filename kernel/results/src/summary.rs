@@ -32,7 +32,7 @@ pub const MAX_DIAGNOSTICS: usize = 10_000;
 pub enum State {
     /// Every program came to its end without an error.
     Succeeded,
-    /// A verdict, a diagnostic of severity 8 or more, or a channel that did not come to its end.
+    /// A verdict, a diagnostic of severity 8 or more, or a channel that did not reach its end.
     Failed,
     /// Cancelled before its end.
     Cancelled,
@@ -227,7 +227,7 @@ impl Findings {
         }
     }
 
-    /// The log is complete; `log_digest` is its fingerprint. `cut_short`: a program did not come to its end.
+    /// The log is complete; `log_digest` is its fingerprint. `cut_short`: a program did not reach its end.
     pub fn finish(
         self,
         channels: Vec<Channel>,

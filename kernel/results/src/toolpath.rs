@@ -15,7 +15,7 @@
 //! of each of its moves.
 //!
 //! A channel of a turning view whose live tools turn C or move Y has `face` too: segments with X, Y and Z of the part,
-//! X and Y as radius values with C turned back. A channel that did not come to its end has `stop: {state, file, line}`.
+//! X and Y as radius values with C turned back. A channel that did not reach its end has `stop: {state, file, line}`.
 
 mod chords;
 mod face;
@@ -104,7 +104,7 @@ pub struct Channel {
     pub path: Path,
     /// The path of its live tools on the face of the part, for a turning view.
     pub face: Option<Path>,
-    /// Where it stopped, if it did not come to the end of its program.
+    /// Where it stopped, if it did not reach the end of its program.
     pub stop: Option<StopPlace>,
     /// It works from below the turning axis.
     pub lower: bool,
@@ -166,7 +166,7 @@ pub struct Track {
     eyes: Eyes,
     path: Path,
     face: Option<Face>,
-    /// Tool in work.
+    /// Active tool.
     tool: u32,
     /// Where the last motion ended.
     end: Option<Position>,

@@ -68,7 +68,7 @@ pub struct Tools {
     rows: Vec<Tool>,
     by_number: FxHashMap<u32, usize>,
     current: Option<usize>,
-    /// Times of the channel when the tool in work was loaded.
+    /// Times of the channel when the active tool was loaded.
     since: ToolTimes,
     data: FxHashMap<u32, Box<ToolData>>,
 }
@@ -90,7 +90,7 @@ impl Tools {
         }
     }
 
-    /// The time since the last load is that of the tool in work.
+    /// The time since the last load is that of the active tool.
     fn count(&mut self, now: ToolTimes) {
         if let Some(row) = self.current.and_then(|row| self.rows.get_mut(row)) {
             row.times.add_since(self.since, now);
@@ -117,7 +117,7 @@ impl Tools {
         }
     }
 
-    /// An offset is used with the tool in work.
+    /// An offset is used with the active tool.
     fn offset(&mut self, offset: Option<ToolOffset>) {
         let row = self.current.and_then(|row| self.rows.get_mut(row));
         let (Some(ToolOffset { kind, number }), Some(row)) = (offset, row) else { return };

@@ -176,8 +176,8 @@ impl Merger {
         End::Complete
     }
 
-    /// Receives and merges until all streams are complete. After [`End::Refused`] the streams are
-    /// still drained (kernels must come to their end), but nothing more goes to the sink.
+    /// Receives and merges until all streams are complete. After [`End::Refused`] the streams are still drained
+    /// (kernels must end), but nothing more goes to the sink.
     pub fn run(&mut self, sink: &mut dyn Sink, mut on_stop: impl FnMut()) {
         while let Ok(message) = self.messages.recv() {
             self.take(message);

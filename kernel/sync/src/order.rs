@@ -92,7 +92,7 @@ pub enum Wake {
 pub enum Effect {
     /// The kernel acts at this time at the earliest ([`BLOCKED`], [`DONE`]).
     Bound(u16, i64),
-    /// Another kernel carried out the arrival of this one, which is blocked now.
+    /// Another kernel executed the arrival of this one, which is blocked now.
     Blocked(u16),
     /// The wait of the kernel is over; a blocked one continues at the tag.
     Woken(u16, Option<Tag>),
@@ -234,7 +234,7 @@ impl Order {
         self.effects.push(Effect::Bound(tag.channel, bound));
     }
 
-    /// Nothing has been decided that is not carried out yet.
+    /// Nothing has been decided that is not executed yet.
     pub fn has_effects(&self) -> bool {
         !self.effects.is_empty()
     }
@@ -398,7 +398,7 @@ impl Order {
         }
     }
 
-    /// Lets these kernels continue, but for the one that acts; the number of the sync point.
+    /// Lets these kernels continue, except for the one that acts; the number of the sync point.
     pub fn release(&mut self, released: Released, but: Option<u16>) -> u64 {
         let Released { channels, t, micro, by, short } = released;
         self.shared.met(channels.with(by));
@@ -461,7 +461,7 @@ impl Order {
         passes
     }
 
-    /// Carries out a plain arrival in place of its kernel; `false`: the arrival is not plain.
+    /// Executes a plain arrival in place of its kernel; `false`: the arrival is not plain.
     fn arrive_for(&mut self, waiting: Waiting) -> bool {
         let Some(arrived) = self.waits.arrive_plainly(waiting) else { return false };
         let channel = waiting.tag.channel;

@@ -1,4 +1,4 @@
-//! The verdict on channels that can never go on, in words that name every line.
+//! The verdict on channels that can never continue, in words that name every line.
 
 mod fits;
 

@@ -118,7 +118,7 @@ pub enum Absent {
 pub enum Reaction {
     /// All of them are alarms.
     Alarm,
-    /// It shows a warning; the waits go on.
+    /// It shows a warning; the waits continue.
     Warning,
 }
 
@@ -180,7 +180,7 @@ pub enum Style {
     Statement,
     /// A mark, the channels, and L with the number: `!12L1`.
     LineUp,
-    /// A statement with key words in brackets: `#WAIT [ID7 CH1 CH2]`.
+    /// A statement with keywords in brackets: `#WAIT [ID7 CH1 CH2]`.
     Keys,
     /// A word with the numbers of two axes, 15 bits each, of which the first may be missing: `G51.4 P102 Q202`, `G50.4
     /// Q202`.
@@ -261,7 +261,7 @@ impl Rules {
         self.of(wait)?.met_by
     }
 
-    /// The mark as the listing names it: `101` of `M101`, else the word with its number.
+    /// The mark as the listing names it: `101` of `M101`, otherwise the word with its number.
     pub fn mark(&self, wait: &Wait) -> String {
         let number = wait.key.number;
         match self.of(wait) {
@@ -480,7 +480,7 @@ impl Places {
         }
     }
 
-    /// A channel has come to its end.
+    /// A channel has ended.
     pub(crate) fn finish(&mut self, channel: u16, finish: Finish) {
         if let Some(slot) = self.finished.get_mut(self.channels.index(channel)) {
             *slot = Some(finish);

@@ -1,7 +1,7 @@
 //! All waits of a job: the waiting channels, those that continue, and those that never can.
 //!
 //! *Invariant:* arrivals, acts and ends come in tag order, so the outcome depends on simulated time alone. All waits
-//! that an operation ends are found before anything that they use up is taken away. Facts: reference
+//! that an operation ends are found before anything that they use up is removed. Facts: reference
 //! channel-synchronisation.md 1.1, 1.4 (two phases), 2.3 (fix-point).
 
 #[cfg(test)]
@@ -124,7 +124,7 @@ impl Waits {
         *self.lists.entry(wait.key).or_insert(wait.parts) != wait.parts
     }
 
-    /// A channel has come to its end.
+    /// A channel has ended.
     pub fn finish(&mut self, channel: u16, finish: Finish) {
         self.places.finish(channel, finish);
         self.give_up(channel);
@@ -156,7 +156,7 @@ impl Waits {
         self.rules.of(wait)?.mismatch.and_then(|mismatch| (mismatch.refuses)(wait, other))
     }
 
-    /// Carries out an arrival that raises no alarm and leaves no channel hopeless: it ends the wait, or those who are
+    /// Executes an arrival that raises no alarm and leaves no channel hopeless: it ends the wait, or those who are
     /// missing can still come by themselves. `None`: the arrival is of another kind, and nothing has changed.
     pub fn arrive_plainly(&mut self, arriving: Waiting) -> Option<Arrived> {
         let refused = self.places.waiting().any(|other| self.refused(&arriving.wait, &other.wait).is_some());
@@ -259,7 +259,7 @@ impl Waits {
         self.memory.letters(channel)
     }
 
-    /// A channel holds this from the begin of the job on.
+    /// A channel holds this from the start of the job on.
     pub fn hold(&mut self, channel: u16, key: Key) {
         // A free lease can be given to any channel.
         let _ = self.memory.act(channel, (Act::Take(key), None), &self.rules);

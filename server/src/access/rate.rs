@@ -36,7 +36,7 @@ struct Bucket {
     held: Arc<AtomicUsize>,
 }
 
-/// When a call may go on.
+/// When a call may continue.
 #[derive(Debug)]
 pub(crate) enum Turn {
     Now,

@@ -153,7 +153,7 @@ impl Core {
             }
             if record.state != before {
                 if record.state.ended() {
-                    // Of a run that did not come to its end.
+                    // Of a run that did not reach its end.
                     self.logs.remove_log(&record.id)?;
                 }
                 self.ledger.update_blocking(record.clone())?;

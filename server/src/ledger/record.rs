@@ -1,6 +1,6 @@
 //! A job as the ledger keeps it.
 //!
-//! Invariant: states only go forward (QUEUED → RUNNING → one of the three ends), but for a run that died or was
+//! Invariant: states only go forward (QUEUED → RUNNING → one of the three ends), except for a run that died or was
 //! interrupted by a shutdown: RUNNING → QUEUED.
 
 use std::collections::BTreeMap;

@@ -271,7 +271,7 @@ impl Store {
         self.jobs_synced.sync(|| self.disk.sync_folder(&self.root.join("jobs")))
     }
 
-    /// Removes the log of a job whose run did not come to its end; not being there is fine.
+    /// Removes the log of a job whose run did not reach its end; not being there is fine.
     pub(crate) fn remove_log(&self, id: &str) -> io::Result<()> {
         let files = self.logs(id);
         for path in [files.plain, files.segments] {

@@ -31,7 +31,7 @@ pub(crate) trait Logs: Send + Sync + Debug {
     /// The log of a job, unless it is small and in the ledger.
     fn kept(&self, id: &str) -> Option<kept::Kept>;
 
-    /// Removes the log of a run that did not come to its end; not being there is fine.
+    /// Removes the log of a run that did not reach its end; not being there is fine.
     fn remove_log(&self, id: &str) -> io::Result<()>;
 
     /// Stores a result beside the log, whole or not at all.

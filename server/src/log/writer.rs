@@ -33,7 +33,7 @@ pub(crate) trait Place: Send + Debug {
     /// Brings a log that has ended into the form in which it stays; gives its bytes.
     fn pack(&mut self) -> io::Result<u64>;
 
-    /// Makes it durable but for the names of its files.
+    /// Makes it durable except for the names of its files.
     fn seal(self: Box<Self>) -> io::Result<()>;
 }
 

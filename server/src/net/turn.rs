@@ -1,4 +1,4 @@
-//! When a call may go on: at once, when it is its turn, or not at all.
+//! When a call may continue: at once, when it is its turn, or not at all.
 //!
 //! *Invariant:* a call that waits holds a timer and its own request, no thread and no lock; it ends at once when the
 //! client gives it up or the server drains.

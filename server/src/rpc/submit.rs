@@ -205,7 +205,7 @@ pub(super) fn small<T: TryFrom<u64>>(field: &str, value: u64, min: u64, max: u64
     T::try_from(value).map_err(|_| refuse())
 }
 
-/// Options but for the limits.
+/// Options except for the limits.
 fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
     let opskip = options.opskip.iter().map(|&level| small("options.opskip", u64::from(level), 0, 9));
     let [warnings_off, warnings_on] = warnings(options.warnings_off, options.warnings_on)?;

@@ -8,7 +8,7 @@ use counterpoint_server::doctor::examine;
 
 use crate::support::*;
 
-/// Exit code and output of a command of the server, while servers of this test go on.
+/// Exit code and output of a command of the server, while servers of this test continue.
 async fn command(arguments: &[&str], folder: &Path, data: &Path) -> (Option<i32>, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
     command.args(arguments).arg(folder).arg("--data").arg(data);

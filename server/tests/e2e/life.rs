@@ -93,7 +93,7 @@ pub fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The data folder as a killed server leaves it: unfinished jobs run again, watchers go on at their cursor.
+/// The data folder as a killed server leaves it: unfinished jobs run again, watchers continue at their cursor.
 #[tokio::test]
 async fn what_a_killed_server_left_unfinished_is_run_again() {
     let (folder, after) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());

@@ -220,7 +220,7 @@ async fn a_flood_of_submits_has_few_calls_in_hand_while_another_identity_calls()
     while value(&server, "counterpoint_calls_deferred_total").await < Some((FLOOD - FEW) as f64) {
         tokio::time::sleep(Duration::from_millis(2)).await;
     }
-    // Those of the other identity go on beside the flood.
+    // Those of the other identity continue beside the flood.
     for _ in 0..20 {
         call(&quiet).await.unwrap();
     }

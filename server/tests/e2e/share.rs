@@ -134,7 +134,7 @@ async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
         assert_eq!(quiet.wait(&own).await.state(), v1::JobState::Succeeded);
     }
     assert!(waiting(&noisy).await > 0, "ten turns of the one take fewer than the queue of the other");
-    // And the other way round: the jobs of the first go on while the second waits for something.
+    // And the other way round: the jobs of the first continue while the second waits for something.
     server.script.hang.store(true, Ordering::SeqCst);
     for number in 0..2 {
         let own = quiet.submit(&format!("hang-{number}"), LATHE, "HANG").await.unwrap().job_id;

@@ -175,7 +175,7 @@ fn burn(time: Duration) {
     }
 }
 
-/// Stands at a place until a command lets it go on; `Show` shows the place.
+/// Stands at a place until a command lets it continue; `Show` shows the place.
 fn stand(console: &dyn Console, control: &Control, place: &str) {
     let report = Report { reason: place.into(), ..Report::default() };
     console.say(Said::Stopped(report.clone()));

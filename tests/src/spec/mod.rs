@@ -129,7 +129,7 @@ impl Case {
     }
 }
 
-/// The file of a program: the name after `nc`, else `p1.nc`, `p2.nc`, one for each channel.
+/// The file of a program: the name after `nc`, otherwise `p1.nc`, `p2.nc`, one for each channel.
 fn program_name(fence: &Fence, number: usize) -> String {
     let name = fence.words.split(' ').find(|word| !word.is_empty() && word.parse::<u16>().is_err());
     name.map_or_else(|| format!("p{number}.nc"), str::to_owned)

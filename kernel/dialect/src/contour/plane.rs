@@ -50,7 +50,7 @@ pub(crate) fn center_by_radius(from: Point, to: Point, radius: f64, clockwise: b
     Some(along(along(from, chord, 0.5), across, rise)).filter(|center| center.iter().all(|value| value.is_finite()))
 }
 
-/// Where a line to a circle touches it so that it goes on round its centre.
+/// Where a line to a circle touches it so that it continues around its centre.
 pub(crate) fn touch(from: Point, center: Point, radius: f64, clockwise: bool) -> Option<Point> {
     let way = minus(center, from);
     let distance = length(way);

@@ -4,7 +4,7 @@ use super::plane::{Point, left, minus, times};
 
 pub(crate) use counterpoint_motion::contour::tangent::{Tangent, tangent};
 
-/// Direction, not of length one, in which a circle about a centre goes on at a point.
+/// Direction, not of length one, in which a circle about a centre continues at a point.
 pub(crate) fn heading_on(center: Point, point: Point, clockwise: bool) -> Point {
     let tangent = left(minus(point, center));
     if clockwise { times(tangent, -1.0) } else { tangent }

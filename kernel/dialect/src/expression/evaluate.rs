@@ -1,6 +1,6 @@
 //! Evaluating compiled expressions.
 //!
-//! *Invariant:* evaluating allocates nothing but for more than [`INLINE`] pending operands.
+//! *Invariant:* evaluating allocates nothing except for more than [`INLINE`] pending operands.
 
 use arrayvec::ArrayVec;
 

@@ -71,7 +71,7 @@ impl Parser<'_> {
             .collect()
     }
 
-    /// A key word of statements, taken; letters of a shortened one are taken as far as they agree.
+    /// A keyword of statements, taken; letters of a shortened one are taken as far as they agree.
     pub(super) fn keyword(&mut self, allowed: &[&'static str]) -> Option<&'static str> {
         let letters = self.letters();
         if letters.len() < 2 {

@@ -124,7 +124,7 @@ impl Parser<'_> {
         read(&mut Reader { parser: self, ops, compares: false }, SUMS).map(|_| ())
     }
 
-    /// Takes an operator or sign that is next; two letters of a word are enough, but for MOD.
+    /// Takes an operator or sign that is next; two letters of a word are enough, except for MOD.
     fn takes(&mut self, word: &str) -> bool {
         self.blanks();
         let here = self.text.get(self.at..).unwrap_or_default();

@@ -182,7 +182,7 @@ fn quarter(at: Spot, heading: Spot, side: f64, radius: f64, arrives: bool) -> Op
 }
 
 impl Heidenhain {
-    /// Radius of the tool in force, in geometry units.
+    /// Radius of the active tool, in geometry units.
     pub(super) fn cutter(&self, host: &dyn Host) -> Result<f64, String> {
         let radius = host.tool_in_force()[1];
         if radius > 0.0 { Ok(radius) } else { Err("the tool of an SL cycle has no radius".to_owned()) }
@@ -346,7 +346,7 @@ impl Heidenhain {
         Ok(blocks.lines)
     }
 
-    /// Cycles 21 and 15: holes where the roughing cycle plunges, with tool Q13 or that in force.
+    /// Cycles 21 and 15: holes where the roughing cycle plunges, with tool Q13 or the active one.
     pub(super) fn drill_pilots(&self, host: &dyn Host, task: &Task) -> Result<Vec<String>, String> {
         let factor = host.length_factor();
         let radius = match task.others.holes {

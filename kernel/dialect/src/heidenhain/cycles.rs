@@ -162,7 +162,7 @@ fn take_texts(evaluator: &mut Evaluator<'_>, seen: &mut Vec<Seen>) -> Result<(),
     Ok(())
 }
 
-/// The cycle that calls carry out, where that is a program.
+/// The cycle that a call executes, if that is a program.
 #[derive(Debug, Clone, Default)]
 pub(super) struct State {
     pub(super) program: Option<Arc<str>>,

@@ -2,7 +2,7 @@
 //!
 //! Facts: programming manuals of the control (X of the contour is the way round, in degrees or as a length by Q17, Y
 //! lies along the axis; 27 turns the table to each point; 28 mills both walls of a slot along its middle and keeps them
-//! parallel, Q21 mills them again where a smaller tool distorts them; 29 goes round a ridge, 39 along a contour, both
+//! parallel, Q21 mills them again where a smaller tool distorts them; 29 goes around a ridge, 39 along a contour, both
 //! from beside the first point; the axis of the table is square to the tool). Old programs write the letter of the
 //! rotary axis instead of X. Decisions: docs of the family, "Choices of cylinder cycles". *Invariant:* the axis of the
 //! cylinder is the zero of the plane and of the tool axis.
@@ -178,7 +178,7 @@ fn round_the_end(foot: Spot, heading: Spot, side: f64, amount: f64) -> Move {
     Move::Arc(foot, Element { from, to, arc: by_center(from, to, [0.0; 2], side > 0.0).ok() })
 }
 
-/// Blocks round a cylinder.
+/// Blocks around a cylinder.
 struct Round<'a> {
     blocks: Blocks<'a>,
     unrolled: &'a Unrolled,
@@ -410,7 +410,7 @@ impl Heidenhain {
         if most < 1e-9 { 0 } else { (1..PASSES).find(|passes| off(*passes) <= tolerance).unwrap_or(PASSES) }
     }
 
-    /// Cycle 29: round the ridge, from beside its first point.
+    /// Cycle 29: around the ridge, from beside its first point.
     fn ridge(way: &[Element], is_left: Option<bool>, [near, far]: [f64; 2]) -> Result<Passes, String> {
         let side = if is_left == Some(false) { -1.0 } else { 1.0 };
         let fits = |way: Option<Vec<Element>>| way.ok_or_else(|| "the way round the ridge does not fit".to_owned());

@@ -144,7 +144,7 @@ impl Heidenhain {
         }
     }
 
-    /// END PGM: a code of the machine if it has one, else the end of the program or the return of a called one.
+    /// END PGM: a code of the machine if it has one, otherwise the end of the program or the return of a called one.
     pub(super) fn end_program(&mut self, host: &mut dyn Host) -> Result<Option<String>, Halt> {
         if self.variables.calls.depth() > 0 {
             let unit = self.unit_of_caller(host);

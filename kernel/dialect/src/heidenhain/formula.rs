@@ -283,7 +283,7 @@ impl Parser<'_, '_> {
         Ok(())
     }
 
-    /// A function with arguments by key words, as in `SUBSTR ( SRC_QS10 BEG2 LEN4 )`.
+    /// A function with arguments by keywords, as in `SUBSTR ( SRC_QS10 BEG2 LEN4 )`.
     fn text_function(&mut self, name: &str) -> Result<(), Wrong> {
         if !self.cursor.take(b'(') {
             return self.wrong("an opening bracket");

@@ -172,7 +172,7 @@ impl Walk<'_> {
         Some(end)
     }
 
-    /// An end about the pole of FPOL, else about that of CC; both coordinates have to stand.
+    /// An end about the pole of FPOL, otherwise about that of CC; both coordinates have to stand.
     fn free_polar(&mut self) -> Option<Position> {
         let Some(pole) = self.path.free.pole else { return self.polar_end().map(|(end, _)| end) };
         let here = Polar::of(pole, self.flat(&self.start));

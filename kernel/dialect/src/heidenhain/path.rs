@@ -320,7 +320,7 @@ impl Walk<'_> {
         let moves = self.step.seen.iter().any(|word| axis(&word.name).is_some() && word.value.is_some());
         if self.step.shape == Shape::Iso && !has_motion && moves {
             match self.path.mode {
-                // Axis words of a conversational block without a key word are a straight line.
+                // Axis words of a conversational block without a keyword are a straight line.
                 None => head = self.line_code(),
                 Some(mode) if self.path.restate => head = format!("G{}", self.plain_mode(mode)),
                 Some(_) => {}

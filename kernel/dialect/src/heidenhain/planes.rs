@@ -25,7 +25,7 @@ pub(super) struct Planes {
     asked: bool,
     /// Shifts from before the plane, while there is one.
     before: Option<Shifts>,
-    /// Axes whose shift from before was taken away in the plane, bit by axis.
+    /// Axes whose shift from before was removed in the plane, bit by axis.
     taken: u32,
 }
 

@@ -1,8 +1,8 @@
 //! Output of programs: FN 15, FN 16, FN 38 and their ISO forms, as messages.
 //!
 //! Facts: programming manuals of the control: texts with formats as `%4.2f`, masks with one print line each. Decisions:
-//! wherever a program prints to, the lines are messages to the operator; key words of masks for time, language and
-//! files print nothing. Invariant: a format without a value prints nothing for it.
+//! wherever a program prints to, the lines are messages to the operator; keywords of masks for time, language and files
+//! print nothing. Invariant: a format without a value prints nothing for it.
 
 use super::Heidenhain;
 use super::eval::Evaluator;

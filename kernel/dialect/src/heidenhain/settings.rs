@@ -13,7 +13,7 @@ use counterpoint_machine::stored::StoredFile;
 /// Settings of a kernel.
 #[derive(Debug)]
 pub(super) struct Settings {
-    /// Blocks that end in `~` go on in the next line.
+    /// Blocks that end in `~` continue in the next line.
     pub(super) joins: bool,
     /// All parameters of a cycle stay on its block, or none; by default those that a register takes.
     pub(super) keeps: Option<bool>,

@@ -1,10 +1,10 @@
-//! Cycles 7, 8, 10, 11 and 26: shift, mirror, rotation and scale in force.
+//! Cycles 7, 8, 10, 11 and 26: active shift, mirror, rotation and scale.
 //!
-//! Facts: programming manuals of the control: a datum shift by incremental values adds to the shift in force, a
-//! rotation by IROT to the angle in force; cycle 8 mirrors the axes that it names and no other, none ends it; cycle 26
-//! changes the axes that it names, about a centre or the datum; cycle 247 takes all of them away. Decision: cycles 11
-//! and 26 are one scale, the later one counts for its axes. Invariant: the tables of the machine get absolute values,
-//! and all axes of a mirror or scale.
+//! Facts: programming manuals of the control: a datum shift by incremental values adds to the active shift, a rotation
+//! by IROT to the active angle; cycle 8 mirrors the axes that it names and no other, none ends it; cycle 26 changes the
+//! axes that it names, about a centre or the datum; cycle 247 takes all of them away. Decision: cycles 11 and 26 are
+//! one scale, the later one counts for its axes. Invariant: the tables of the machine get absolute values, and all axes
+//! of a mirror or scale.
 
 use super::path::{AXES, axis};
 use super::words::{Seen, joined, shown};
@@ -19,7 +19,7 @@ const NO_MIRROR: &str = "MIRROR OFF";
 /// Words for the centre of a scale.
 const CENTER: [&str; 3] = ["CCX", "CCY", "CCZ"];
 
-/// Values in force.
+/// Active values.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shifts {
     datum: [f64; AXES.len()],

@@ -201,7 +201,7 @@ pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
     })
 }
 
-/// The key word of a path block: one letter has to stand alone.
+/// The keyword of a path block: one letter has to stand alone.
 fn path_word(cursor: &mut Cursor<'_>, word: &str) -> bool {
     let mut ahead = cursor.clone();
     if !ahead.keyword(word) {
@@ -222,7 +222,7 @@ pub(super) fn whole_formula(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     if cursor.is_over() { Ok(formula) } else { Err(expected(cursor, "the end of the formula")) }
 }
 
-/// A statement that begins with key words.
+/// A statement that begins with keywords.
 fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
     if cursor.keyword("FN") {
         return super::functions::read(cursor).map(Some);

@@ -50,7 +50,7 @@ pub(super) enum Rounding {
 /// Other tools that a cycle names, and the kind of its contours.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Others {
-    /// The one that holes are for; none for that in force.
+    /// The one that holes are for; none for the active one.
     pub(super) holes: Option<u32>,
     /// The one that has roughed before.
     pub(super) earlier: Option<u32>,

@@ -109,7 +109,7 @@ pub trait Flow {
     /// Those of [`Flow::go_to`].
     fn go_to_block(&mut self, block: Spot) -> Acted;
 
-    /// The block with a sequence number: from here on, else from the top of the program.
+    /// The block with a sequence number: from here on, otherwise from the top of the program.
     ///
     /// # Errors
     /// There is none: an alarm.

@@ -81,7 +81,7 @@ pub trait Frames {
     /// Compensation of the tool radius is on, so that moves are kept back.
     fn keeps_moves_back(&self) -> bool;
 
-    /// Number of the work offset in force, 0 for none.
+    /// Number of the active work offset, 0 for none.
     fn work_offset(&self) -> u32;
 
     /// Values of a work offset by axis, as the program counts now; 0 is the base.
@@ -120,7 +120,7 @@ pub trait Frames {
     /// Number of the tool with this name in the tables of the machine.
     fn tool_named(&self, name: &str) -> Option<u32>;
 
-    /// Length along the tool and radius that are in force.
+    /// Length along the tool and radius that are active.
     fn tool_in_force(&self) -> [f64; 2];
 
     /// Length along the tool and radius of a tool offset.

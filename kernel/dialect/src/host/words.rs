@@ -24,8 +24,8 @@ pub trait Words {
     /// Words may begin with this text: a register of the machine has the name.
     fn is_register(&self, name: &str) -> bool;
 
-    /// The word of a register with a value: as it is spelled, else so that the register reads this value, rounded to
-    /// its digits. None if no register has the name, with or without `=` at its end.
+    /// The word of a register with a value: as it is spelled, otherwise so that the register reads this value, rounded
+    /// to its digits. None if no register has the name, with or without `=` at its end.
     fn word(&self, name: &str, value: f64, spelled: Option<&str>) -> Option<String>;
 
     /// Name of the incremental form of a register.

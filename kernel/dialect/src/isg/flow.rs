@@ -171,7 +171,7 @@ impl Isg {
         Ok(if step > 0.0 { value <= last } else { value >= last })
     }
 
-    /// The condition of IF does not hold: the first ELSEIF that does, else ELSE, else the end.
+    /// The condition of IF does not hold: the first ELSEIF that does, otherwise ELSE, otherwise the end.
     fn branch(&mut self, host: &mut dyn Host, block: &Block) -> Outcome<()> {
         for mark in &block.marks {
             let holds = match self.item_at(host, *mark)? {
@@ -185,7 +185,7 @@ impl Isg {
         self.go(host, block.last.saturating_add(1))
     }
 
-    /// The CASE of a value, else DEFAULT, else the end.
+    /// The CASE of a value, otherwise DEFAULT, otherwise the end.
     fn choose(&mut self, host: &mut dyn Host, block: &Block, value: f64) -> Outcome<()> {
         let mut default = block.last;
         for mark in &block.marks {

@@ -99,7 +99,7 @@ pub(super) fn read(word: &str, cursor: &mut Cursor<'_>) -> Result<Statement, Mis
     Ok(Statement { deed, number, last, channels, uses, values })
 }
 
-/// The value of a key word, with or without `=`.
+/// The value of a keyword, with or without `=`.
 fn value(cursor: &mut Cursor<'_>) -> Result<Expr, Mistake> {
     cursor.take(b'=');
     Reader::new(cursor).sum()

@@ -100,7 +100,7 @@ impl Okuma {
     }
 }
 
-/// A line with the key words of a loop.
+/// A line with the keywords of a loop.
 fn may_hold_loop(text: &[u8]) -> bool {
     text.windows(2).any(|pair| pair.eq_ignore_ascii_case(b"DO") || pair.eq_ignore_ascii_case(b"EN"))
 }

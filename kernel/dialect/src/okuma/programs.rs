@@ -80,7 +80,8 @@ impl Index {
         Some(Range { number: None, first: found.first, last: found.last })
     }
 
-    /// The line to go to from another one: from there on, else from the top of the program that the line belongs to.
+    /// The line to go to from another one: from there on, otherwise from the top of the program that the line belongs
+    /// to.
     pub(super) fn label(&self, name: &str, from: u32, range: Range) -> Option<u32> {
         // Definitions and lines are in ascending order.
         let at = self.definitions.partition_point(|definition| definition.first <= from);

@@ -2,7 +2,7 @@
 //!
 //! Invariant: one pass over the text, nothing allocated; plain words with comments are never among them.
 
-/// Whether a block is anything but plain words: `=` or a bracket, letters side by side (key words and names), the name
+/// Whether a block is anything but plain words: `=` or a bracket, letters side by side (keywords and names), the name
 /// of a program, a line of the file's own, a comment that is a message, or G81 to G88, which may name a contour.
 pub(super) fn needs_interpreter(text: &[u8]) -> bool {
     let (mut at, mut letter) = (0, false);

@@ -81,7 +81,7 @@ const WRITTEN: &[(i64, &[&str])] = &[
 pub(super) fn written(group: i64, number: i64) -> Option<String> {
     let (_, words) = WRITTEN.iter().find(|(of, _)| *of == group)?;
     let word = usize::try_from(number).ok().and_then(|number| words.get(number.checked_sub(1)?));
-    // Behind G57 the settable frames go on with G505.
+    // Behind G57 the settable frames continue with G505.
     let further = || (group == FRAMES && (6..=100).contains(&number)).then(|| format!("G{}", 499 + number));
     word.map(|word| (*word).to_owned()).or_else(further)
 }

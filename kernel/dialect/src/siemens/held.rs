@@ -1,4 +1,4 @@
-//! State that statements keep for later blocks of the channel. *Invariant:* a program begins without any of it, but
+//! State that statements keep for later blocks of the channel. *Invariant:* a program begins without any of it, except
 //! for actions that stay.
 
 use rustc_hash::{FxHashMap, FxHashSet};

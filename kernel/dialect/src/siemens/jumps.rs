@@ -282,7 +282,7 @@ impl Siemens {
         }))
     }
 
-    /// The line of a label for REPEAT and CALL BLOCK: before this block, else after it.
+    /// The line of a label for REPEAT and CALL BLOCK: before this block, otherwise after it.
     pub(super) fn label_line(&mut self, host: &mut dyn Host, label: &Label, place: &Place) -> Outcome<u32> {
         let label = self.label(host, label)?;
         let places = self.places(host, place.file);

@@ -79,7 +79,7 @@ pub(super) enum Item {
     },
     /// ELSE ENDIF LOOP ENDLOOP ENDFOR ENDWHILE REPEAT
     Structure(Structure),
-    /// A statement that other controls have too, with its key word as written.
+    /// A statement that other controls have too, with its keyword as written.
     Shared {
         statement: &'static Shared,
         text: String,

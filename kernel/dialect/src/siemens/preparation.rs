@@ -33,7 +33,7 @@ pub(super) struct Preparation {
     table: Target,
     /// Variable for the number of relief cuts.
     relief: Target,
-    /// Cuts along the ordinate (N, P), else along the abscissa (L, G).
+    /// Cuts along the ordinate (N, P), otherwise along the abscissa (L, G).
     face: bool,
     /// The part lies inside (G, N).
     inside: bool,

@@ -370,7 +370,7 @@ impl Siemens {
         self.unknown(host, &text, &text, left)
     }
 
-    /// A text that nothing knows: a macro may, else the tables of the machine have to.
+    /// A text that nothing knows: a macro may, otherwise the tables of the machine have to.
     fn unknown(&mut self, host: &mut dyn Host, asked: &str, written: &str, left: &mut Left) -> Outcome<()> {
         if let Some(text) = lacks(host, asked) {
             return Err(Fault::Halt(host.alarm(&diag::UNKNOWN_TEXT, text)));

@@ -1,7 +1,7 @@
 //! Data of tools beyond those of the machine's macros: the position of the edge, and wear.
 //!
 //! Facts: list of system variables: `$TC_DP12` and `$TC_DP13` are the wear of lengths 1 and 2, `$TC_DP15` that of the
-//! radius; length and radius in force include it, as do `$P_TOOLL`, `$P_TOOLR` and `$P_AD`. Along which axes the
+//! radius; the active length and radius include it, as do `$P_TOOLL`, `$P_TOOLR` and `$P_AD`. Along which axes the
 //! lengths are says the machine: its identification macro answers `$P_SCLENGTHS`. *Invariant:* a wear that the machine
 //! has no axis for is unknown, so that it is reported.
 
@@ -54,7 +54,7 @@ impl Siemens {
         Ok(true)
     }
 
-    /// A value that the machine has given, with the wear of the edge in force if it is a length or a radius.
+    /// A value that the machine has given, with the wear of the active edge if it is a length or a radius.
     pub(super) fn worn(&mut self, host: &mut dyn Host, name: &Name, value: Data) -> Outcome<Data> {
         let part = match (name.name.as_str(), name.index.as_slice()) {
             ("$P_TOOLR", []) => "$TC_DP15",

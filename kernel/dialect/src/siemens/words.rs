@@ -19,7 +19,7 @@ use counterpoint_fault as diag;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
-/// Addresses whose values count in another way with a key word, and the register of that: heights of soft approach and
+/// Addresses whose values count in another way with a keyword, and the register of that: heights of soft approach and
 /// its feed.
 const OTHERWISE: [(&str, Positioning, &str); 4] = [
     ("DISCL", Positioning::Absolute, "SC_DISCL"),

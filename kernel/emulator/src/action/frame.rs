@@ -28,7 +28,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// This block's positions are in the machine frame. In incremental mode the word is ignored: distances are distances in
 /// any frame.
 pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
-    // The mode that the block says, wherever it says so, else the active one.
+    // The mode that the block says, wherever it says so, otherwise the active one.
     let code = |pending: &PendingCode| Some(&act.env.machine.codes[pending.row]).filter(|row| row.enable);
     let rows = act.block.pending.iter().rev().filter_map(code);
     let said = rows.filter(|row| row.group == group::POSITION).map(|row| row.id).next();

@@ -1,4 +1,4 @@
-//! Heads: which one is in work, and the events of codes that only macros handle.
+//! Heads: which one is active, and the events of codes that only macros handle.
 //!
 //! Facts: reference control-emulator.md 4.3, 6.3. Decision: codes of heads without built-in processing raise the tool
 //! event; on a machine without its macro they are ignored with a message.

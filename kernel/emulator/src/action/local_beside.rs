@@ -32,7 +32,7 @@ fn taken(act: &mut Act<'_, '_>, before: Lines, line: impl Fn(Datum) -> Line) -> 
     any.then_some(lines)
 }
 
-/// The part that is in force, to which words of other axes are added.
+/// The part that is active, to which words of other axes are added.
 fn part(act: &Act<'_, '_>, part: Part) -> Lines {
     let frames = act.state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref());
     frames.and_then(|beside| beside.part(part)).copied().unwrap_or(SAME)
@@ -69,7 +69,7 @@ pub(super) fn mirror(act: &mut Act<'_, '_>, adds: bool) -> Option<Lines> {
     taken(act, before, |datum| Line::scale(-1.0, datum.value))
 }
 
-/// The mirrors that are left when those of the block are taken away; none without words.
+/// The mirrors that are left when those of the block are removed; none without words.
 pub(super) fn fewer_mirrors(act: &mut Act<'_, '_>) -> Option<Lines> {
     let before = part(act, Part::Mirror);
     taken(act, before, |_| Line::SAME)

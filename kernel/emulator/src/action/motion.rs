@@ -76,7 +76,7 @@ pub(super) fn linear_times(act: &mut Act<'_, '_>, factor: f64) -> Acted {
 }
 
 impl Act<'_, '_> {
-    /// Feed of the active mode: the word on the block, else the remembered one.
+    /// Feed of the active mode: the word on the block, otherwise the remembered one.
     pub(super) fn feed(&mut self) -> (Option<f64>, FeedUnit) {
         let (id, unit) = feed_of(self.state.modal.code(group::FEED));
         match self.take(id) {
@@ -90,7 +90,7 @@ impl Act<'_, '_> {
         }
     }
 
-    /// Feed that a rapid move must not pass: that of the block, else the remembered one where the row is modal.
+    /// Feed that a rapid move must not pass: that of the block, otherwise the remembered one where the row is modal.
     fn rapid_feed(&mut self) -> Option<f64> {
         let Some(datum) = self.take(data::RAPID_FEED) else { return self.state.remembered.value(data::RAPID_FEED) };
         if datum.value <= 0.0 {

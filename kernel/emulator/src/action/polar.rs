@@ -30,7 +30,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::C2P_CART_OFF, codes::C2P_POLAR_OFF, codes::CYLINDER_OFF], |act, _, _| off(act)),
 ];
 
-/// Degrees of a circle that one step goes round its own centre.
+/// Degrees of a circle that one step goes around its own centre.
 const STEP: f64 = 2.0;
 
 /// Switches it on: words are coordinates, or radius and angle.
@@ -81,7 +81,7 @@ fn form(cartesian: bool) -> &'static str {
     if cartesian { "cart" } else { "polar" }
 }
 
-/// The axes that the machine names for it, else X and the first rotary axis of the workpiece.
+/// The axes that the machine names for it, otherwise X and the first rotary axis of the workpiece.
 fn axes(act: &Act<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
     let channel = act.env.machine.channels.iter().find(|channel| channel.number == act.at.channel)?;
     if let Some([linear, rotary]) = channel.polar {
@@ -171,7 +171,7 @@ fn center_words(act: &Act<'_, '_>, polar: &Polar) -> [Option<DataId>; 2] {
     polar.axes().map(|axis| polar.cartesian.then_some(id(axis)))
 }
 
-/// Degrees that a circle goes round the centre of the part; every full turn goes as far as the others.
+/// Degrees that a circle goes around the centre of the part; every full turn goes as far as the others.
 pub(super) fn way_round(made: &geometry::Arc) -> f64 {
     let turns = (made.sweep.abs() / TAU).floor();
     let rest = made.sweep - turns * TAU.copysign(made.sweep);

@@ -22,7 +22,7 @@ const NONE: f64 = 1e-9;
 /// Steps along a move at whose ends the linear axes that follow the rotary ones are looked at.
 const PLACES: u32 = 16;
 
-/// A piece of a way on the part: its length, and degrees that it goes round the centre.
+/// A piece of a way on the part: its length, and degrees that it goes around the centre.
 type Piece = (f64, f64);
 
 /// Splits a line where the slower of rotary axis and feed changes. `tight`: path length at the feed while the axis
@@ -55,7 +55,7 @@ fn of_circle(made: &Arc, tight: f64) -> Vec<Piece> {
     let turns = (sweep.abs() / TAU).floor();
     let rest = sweep.abs() - turns * TAU;
     // With u the cosine of the angle from the farthest point, one radian goes (r² + r c u) / (r² + c² + 2 r c u)
-    // radians round the centre.
+    // radians around the centre.
     let at = |share: f64| {
         let top = share * (radius * radius + off * off) - radius * radius;
         let cosine = top / (radius * off * (1.0 - 2.0 * share));
@@ -85,7 +85,7 @@ fn of_circle(made: &Arc, tight: f64) -> Vec<Piece> {
     all
 }
 
-/// The same for a circle on a cylinder, with ways round it instead of degrees. `round`: which coordinate is the way
+/// The same for a circle on a cylinder, with ways around it instead of degrees. `round`: which coordinate is the way
 /// round; `share`: part of the feed that the axis makes at its rate.
 fn on_cylinder(made: &Arc, round: usize, share: f64) -> Vec<Piece> {
     let Arc { radius, start_angle, sweep, .. } = *made;
@@ -218,7 +218,7 @@ mod tests {
         let around = |center, radius| Arc { center, radius, start_angle: 0.3, sweep: -3.0 * TAU };
         let own = sums(&of_circle(&around([0.0, 0.0], 2.0), 10.0));
         assert!((own.0 - 6.0 * TAU).abs() < 1e-9 && (own.1 - 1080.0).abs() < 1e-6, "{own:?}");
-        // A circle that does not go round the centre goes there and back.
+        // A circle that does not go around the centre goes there and back.
         let beside = sums(&of_circle(&around([5.0, 0.0], 2.0), 4.0));
         assert!(beside.1 > 0.0 && (beside.0 - 6.0 * TAU).abs() < 1e-9, "{beside:?}");
     }

@@ -143,7 +143,7 @@ pub(super) fn tap_speed(act: &mut Act<'_, '_>) -> Acted {
     }
 }
 
-/// The speed of the block, else one that was left for the next spindle code (reference control-emulator.md 1.5).
+/// The speed of the block, otherwise one that was left for the next spindle code (reference control-emulator.md 1.5).
 fn take_speed(act: &mut Act<'_, '_>, css: bool) -> Option<f64> {
     let word = act.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM });
     if let Some(word) = word {

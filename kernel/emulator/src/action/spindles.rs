@@ -1,4 +1,4 @@
-//! Which spindle of a channel is in work: the front or the rear one when it turns the part, the milling one when it
+//! Which spindle of a channel is active: the front or the rear one when it turns the part, the milling one when it
 //! mills.
 //!
 //! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. *Invariant:* the active spindle is that of

@@ -236,7 +236,8 @@ fn numbers(act: &mut Act<'_, '_>) -> [Option<f64>; 9] {
     NUMBERS.map(|id| act.take(id).map(|datum| datum.value))
 }
 
-/// Positions of the rotary axes by their words, else by the numbers of the form in the order of the axes; others stay.
+/// Positions of the rotary axes by their words, otherwise by the numbers of the form in the order of the axes; others
+/// stay.
 fn positions(act: &mut Act<'_, '_>) -> Turned {
     let chain = act.chain();
     let tilts = |axis: &AxisSlot| chain.tables.iter().chain(&chain.heads).any(|joint| joint.axis == *axis);

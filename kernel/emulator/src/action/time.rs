@@ -71,7 +71,8 @@ impl Act<'_, '_> {
         }
     }
 
-    /// Seconds of a feed move without a usable feed: at the smallest one of the control, else those of a rapid move.
+    /// Seconds of a feed move without a usable feed: at the smallest one of the control, otherwise those of a rapid
+    /// move.
     #[cold]
     fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
         let least = self.env.machine.habits.least_feed;

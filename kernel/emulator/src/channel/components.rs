@@ -36,7 +36,7 @@ pub struct Component<'a> {
 /// Which component a channel works with.
 #[derive(Default)]
 pub(crate) struct Turns {
-    /// Place of the one in work; none on a machine that is not a composite.
+    /// Place of the active one; none on a machine that is not a composite.
     pub(crate) now: Option<usize>,
     /// Place of the one before.
     pub(crate) before: Option<usize>,
@@ -60,7 +60,7 @@ pub(crate) struct Resting {
     pub(crate) levels: Vec<bool>,
 }
 
-/// The components of the machine, and the one in work.
+/// The components of the machine, and the active one.
 #[derive(Default)]
 pub(crate) struct Components<'a> {
     pub(crate) all: &'a [Component<'a>],
@@ -79,7 +79,7 @@ impl<'a> Components<'a> {
         !self.all.is_empty()
     }
 
-    /// The one in work; none on a machine that is not a composite, and in its master.
+    /// The active one; none on a machine that is not a composite, and in its master.
     pub(crate) fn current(&self) -> Option<&'a Component<'a>> {
         self.turns.now.and_then(|now| self.all.get(now))
     }

@@ -77,7 +77,7 @@ pub(crate) struct CodeHooks {
     pub(crate) begin: fn(&mut Kernel<'_>, Origin),
     /// Codes that data fire.
     pub(crate) implied: fn(&mut Kernel<'_>),
-    /// Lets a code act: its macro, else its action.
+    /// Lets a code act: its macro, otherwise its action.
     pub(crate) act: fn(&mut Kernel<'_>, PendingCode, CodeId) -> Acted,
     /// A code has acted.
     pub(crate) acted: fn(&mut Kernel<'_>) -> Acted,
@@ -93,7 +93,8 @@ pub(crate) struct CodeHooks {
 pub(crate) struct ProgramHooks {
     /// Declaration and Program Startup.
     pub(crate) start: fn(&mut Kernel<'_>) -> Acted,
-    /// Subprogram Startup for the first pass, at a level: none if the call is ignored, else where the subprogram is.
+    /// Subprogram Startup for the first pass, at a level: none if the call is ignored, otherwise where the subprogram
+    /// is.
     pub(crate) call: fn(&mut Kernel<'_>, &Called, Found) -> Result<Option<Found>, Halt>,
     /// Subprogram Shutdown and Startup between two passes.
     pub(crate) next_pass: fn(&mut Kernel<'_>) -> Acted,

@@ -19,7 +19,7 @@ use counterpoint_sync::wait::{Finish, Terminal};
 /// Blocks after which a kernel looks at the memory that it takes.
 const WEIGHED_EVERY: u64 = 64;
 
-/// How a program has come to its end.
+/// How a program has ended.
 struct Ending {
     halt: Halt,
     /// Tag of the end in the log, if the program has ended.

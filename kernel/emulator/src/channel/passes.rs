@@ -49,7 +49,7 @@ pub(crate) struct Pass {
 pub(crate) struct Passes {
     /// Something happened since the last jump back that a later pass could see.
     pub(crate) effects: bool,
-    /// An own variable has changed since the last jump back, or a program was called. The same values at the begin and
+    /// An own variable has changed since the last jump back, or a program was called. The same values at the start and
     /// at the end of a pass mean the same next pass.
     pub(crate) changes: bool,
     /// Shared variables read since the last jump back, by place in the list.

@@ -121,7 +121,7 @@ pub(crate) struct Edits {
     pub(crate) tape: Option<Tape>,
     /// There is a tape editor, or a character that ends blocks, or a comment may end in front of one.
     pub(crate) reshapes: bool,
-    /// Comments go on over lines.
+    /// Comments continue over lines.
     pub(crate) long_comments: bool,
 }
 
@@ -205,7 +205,7 @@ pub(crate) struct Rules {
     /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; none
     /// where values stay as they are.
     pub(crate) steps: Option<Table<RegisterId, [f64; 2]>>,
-    /// The lead of a thread and the feed per revolution are one word that stays in force (F of Fanuc controls).
+    /// The lead of a thread and the feed per revolution are one word that stays active (F of Fanuc controls).
     pub(crate) lead_is_feed: bool,
     /// Circles may continue in the direction of the last move, which is kept for them.
     pub(crate) keeps_last_move: bool,

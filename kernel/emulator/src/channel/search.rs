@@ -36,7 +36,7 @@ enum Look {
     Main,
     /// Files stored with the machine, from their top.
     Stored,
-    /// The file of all subprograms: by definition word, else a file without definitions as a whole.
+    /// The file of all subprograms: by definition word, otherwise a file without definitions as a whole.
     One,
     /// The file of this subprogram alone, likewise.
     Each,

@@ -1,9 +1,9 @@
 //! Data of the tools, reported whenever they change.
 //!
 //! Facts: reference listing-and-trace.md 7.1, system-variables.md 13. The first that knows counts: the tool table as
-//! macros have written it, the machine's tools, the offset in force while the tool was in use. Invariants: an event
-//! says all that is known about its tool, and is made only when that has changed; the tables of a run that comes to
-//! its end are reported in the order of `$TLSORT`.
+//! macros have written it, the machine's tools, the active offset while the tool was in use. Invariants: an event says
+//! all that is known about its tool, and is made only when that has changed; the tables of a run that ends are reported
+//! in the order of `$TLSORT`.
 
 use counterpoint_lang::value::Value;
 
@@ -21,7 +21,7 @@ const MOST: usize = 1000;
 const LONGEST_NAME: usize = 80;
 
 impl Kernel<'_> {
-    /// The tool in use has been loaded, or another offset is in force.
+    /// The tool in use has been loaded, or another offset is active.
     pub(crate) fn report_tool(&mut self) {
         let tables = &self.channel.env.machine.tool;
         let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.channel.state.place.offsets.is_none();
@@ -89,7 +89,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Diameter and corner radius by the offset in force: a turning tool has its nose radius there, a cutter half its
+    /// Diameter and corner radius by the active offset: a turning tool has its nose radius there, a cutter half its
     /// diameter, and only while its path is compensated.
     fn offset_in_force(&self) -> (Option<f64>, Option<f64>) {
         let some = |value: f64| Some(value).filter(|value| *value > 0.0);

@@ -31,7 +31,7 @@ impl Kernel<'_> {
         Called { what, passes, block }
     }
 
-    /// Runs the startup macro for a pass: none if the call is ignored, else where the subprogram is.
+    /// Runs the startup macro for a pass: none if the call is ignored, otherwise where the subprogram is.
     pub(crate) fn subprogram_startup(
         &mut self,
         called: &Called,

@@ -40,13 +40,13 @@ impl Kernel<'_> {
         name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect()
     }
 
-    /// Number of the diameter offset in force, 0 for none.
+    /// Number of the active diameter offset, 0 for none.
     fn diameter_number(&self) -> u32 {
         let active = self.channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
         if active { self.channel.state.remembered.diameter() } else { 0 }
     }
 
-    /// Notes the offsets in force while the axes of a motion move.
+    /// Notes the active offsets while the axes of a motion move.
     pub(crate) fn note_offsets(&mut self, moving: u8) {
         let lathe = self.channel.env.machine.tool.offset_digits > 0;
         let moves = |letter: char| self.axis_of(letter).is_some_and(|axis| moving & axis.bit() != 0);

@@ -155,7 +155,7 @@ impl Store {
         self.values.iter().chain(self.elements.values())
     }
 
-    /// Times and counts go on where another component has left them.
+    /// Times and counts continue where another component has left them.
     pub(crate) fn continue_times(&mut self, of: &Self) {
         (self.times, self.added_times, self.moving, self.idle) = (of.times, of.added_times, of.moving, of.idle);
         (self.counts, self.listed) = (of.counts, of.listed.clone());

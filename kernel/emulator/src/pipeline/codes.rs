@@ -237,7 +237,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A word that is not a code: data if a row knows its register, else unknown text.
+    /// A word that is not a code: data if a row knows its register, otherwise unknown text.
     fn data_word(&mut self, position: usize) {
         let Some(word) = self.channel.block.words.get(position).copied() else { return };
         let known = !self.channel.env.machine.tables.data_of(word.register).is_empty();

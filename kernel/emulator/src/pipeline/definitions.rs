@@ -67,7 +67,7 @@ impl Kernel<'_> {
         }
         let runs = |(first, last): (u32, u32)| (first..=last).contains(&heading.first);
         let mut channels = info.channels.iter().filter(|c| !c.program.is_empty() && c.file == file).peekable();
-        // In a file of main programs it is one of them if it comes to an end, whether a channel runs it or not.
+        // In a file of main programs it is one of them if it ends, whether a channel runs it or not.
         let is_main = channels.peek().is_some()
             && Callers::of(self.channel.env.machine, source.syntax()).ends_in(source, *heading);
         let is_run = is_main || channels.any(|c| runs(c.lines));

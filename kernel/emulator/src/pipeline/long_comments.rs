@@ -1,6 +1,6 @@
 //! Comments over several lines, on machines that have them.
 //!
-//! Facts: programs of Citizen lathes put whole parts of a program in brackets. *Invariant:* nothing between the begin
+//! Facts: programs of Citizen lathes put whole parts of a program in brackets. *Invariant:* nothing between the start
 //! of a comment and its end acts.
 
 use crate::channel::Kernel;

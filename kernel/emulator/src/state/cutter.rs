@@ -172,7 +172,7 @@ impl Channel<'_> {
         self.state.place.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())
     }
 
-    /// Compensation has come to its end.
+    /// Compensation has ended.
     pub(crate) fn forget_cutter(&mut self) {
         if let Some(frames) = self.state.place.frames.as_deref_mut() {
             frames.cutter = None;

@@ -106,7 +106,7 @@ pub(crate) struct Others {
     pub(crate) tip: frames::tip::Settings,
     /// A tilted plane to come.
     pub(crate) tilt: frames::tilt::Wishes,
-    /// Number of the head in work.
+    /// Number of the active head.
     pub(crate) head: u32,
     /// Turning cycles.
     pub(crate) turning: turning::Turning,

@@ -87,7 +87,7 @@ impl Layout {
     }
 }
 
-/// Numbers of the offsets in force.
+/// Numbers of the active offsets.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct InForce {
     /// Work offset, 0 = none.
@@ -142,7 +142,7 @@ pub(crate) struct Place {
     pub(crate) shift: Position,
     /// Part of the shift from presets and manual settings, without work and tool offsets.
     pub(crate) preset: Position,
-    /// Offsets in force.
+    /// Active offsets.
     pub(crate) in_force: InForce,
     /// Intermediate point of the last home move, for the return.
     pub(crate) home_via: Option<Position>,

@@ -60,7 +60,7 @@ pub(crate) struct Smooth {
     pub(crate) before: Speed,
     /// Feed that the block itself gives.
     pub(crate) own: Option<Speed>,
-    /// Feed in force, for circles without another one.
+    /// Active feed, for circles without another one.
     pub(crate) feed: Speed,
     /// Direction of the contour at its end, where the tool leaves it.
     pub(crate) heading: Option<Spot>,

@@ -1,4 +1,4 @@
-//! Spindles of a channel: the one in work, and those that it can put into work.
+//! Spindles of a channel: the active one, and those that it can put into work.
 //!
 //! *Invariant:* a spindle that several channels command has no state of its own here but a copy.
 
@@ -16,7 +16,7 @@ use counterpoint_sync::shared::{Command, Course};
 /// Spindle of the channel: its own state, or a copy of the shared one.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SpindleState {
-    /// The spindle in work, `None` = channel without spindle.
+    /// The active spindle, `None` = channel without spindle.
     pub(crate) id: Option<SpindleId>,
     /// Other channels command it too.
     pub(crate) shared: bool,
@@ -71,7 +71,7 @@ pub(crate) struct Spindles {
     pub(crate) front: Option<SpindleId>,
     pub(crate) rear: Option<SpindleId>,
     pub(crate) mill: Option<SpindleId>,
-    /// Commands of spindles that are not in work.
+    /// Commands of spindles that are not active.
     pub(crate) kept: Table<SpindleId, Command>,
     /// Milling mode.
     pub(crate) milling: bool,
@@ -124,7 +124,7 @@ impl Channel<'_> {
         rear.or(spindles.front)
     }
 
-    /// The spindle in work.
+    /// The active spindle.
     pub(crate) fn working_spindle(&self) -> Option<SpindleId> {
         let spindles = &self.state.others.spindles;
         spindles.mill.filter(|_| spindles.milling).or_else(|| self.turning_spindle())

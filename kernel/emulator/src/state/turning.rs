@@ -207,7 +207,7 @@ impl LathePlane {
 }
 
 impl Channel<'_> {
-    /// The plane in force; none without its axes.
+    /// The active plane; none without its axes.
     pub(crate) fn active_plane(&self) -> Option<LathePlane> {
         let layout = &self.state.place.layout;
         let axis = |role: usize| layout.cartesian.get(role).copied().flatten();

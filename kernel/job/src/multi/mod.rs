@@ -306,7 +306,7 @@ impl<'a> Assembly<'a> {
             meanwhile();
             let join = |handle: std::thread::ScopedJoinHandle<'_, Lived>| match handle.join() {
                 Ok(lived) => lived,
-                // A mistake of this program: the job's owner gets it, after all kernels have come to their end.
+                // A mistake of this program: the job's owner gets it, after all kernels have ended.
                 Err(panic) => std::panic::resume_unwind(panic),
             };
             running.into_iter().map(join).collect()

@@ -59,7 +59,7 @@ struct Scheduler<'s> {
 }
 
 impl Scheduler<'_> {
-    /// Runs the kernels until all have come to their end.
+    /// Runs the kernels until all have ended.
     fn take_turns(&mut self, mut turns: Vec<Turn<'_>>) -> Vec<End> {
         let mut ends = Vec::new();
         while let Some(next) = self.next_turn(&turns) {
@@ -77,7 +77,7 @@ impl Scheduler<'_> {
     }
 
     /// The next kernel: of those with work the one that is furthest behind, or the kernel that the operator selects.
-    /// One that needs an empty chunk comes last: the others bring the merger on. `None`: all have come to their end.
+    /// One that needs an empty chunk comes last: the others bring the merger on. `None`: all have ended.
     fn next_turn(&self, turns: &[Turn<'_>]) -> Option<usize> {
         let coordinator = self.coordinator;
         let ready = |turn: &Turn<'_>| turn.pause != Some(Pause::Sleep) || !coordinator.sleeps(turn.channel);
@@ -148,7 +148,7 @@ impl<'a> Assembly<'a> {
                 Err(payload) => panic = Some(payload),
             }
         }
-        // A mistake of this program: the job's owner gets it, after all kernels have come to their end.
+        // A mistake of this program: the job's owner gets it, after all kernels have ended.
         if let Some(payload) = panic {
             resume_unwind(payload);
         }

@@ -204,7 +204,7 @@ fn may_come(wanted: &str, line: u32, info: &Info, machine: &Machine) -> Result<(
     })
 }
 
-/// The same but for blanks and letter case.
+/// The same except for blanks and letter case.
 fn is_same(one: &str, other: &str) -> bool {
     let letters = |text: &str| text.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_uppercase()).collect();
     let (one, other): (String, String) = (letters(one), letters(other));

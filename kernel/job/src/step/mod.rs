@@ -22,7 +22,7 @@ use decide::{Decision, Goal, Standing};
 /// Between two looks at whether the job is to end.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// A kernel that has not come to its end, as the scheduler sees it.
+/// A kernel that has not ended, as the scheduler sees it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Candidate {
     pub(crate) channel: u16,
@@ -70,7 +70,7 @@ struct State {
     breakpoints: Breakpoints,
     /// The run stops at once: the channel that is the cause, and why.
     stop: Option<(u16, String)>,
-    /// The channel that went on last, if it was too far ahead.
+    /// The channel that continued last, if it was too far ahead.
     ahead: Option<u16>,
     /// The operator has left.
     detached: bool,
@@ -254,7 +254,7 @@ impl<'a> Director<'a> {
         Err(format!("the job has no channel {channel}; it has {}", numbers.join(", ")))
     }
 
-    /// The channel has not come to its end.
+    /// The channel has not ended.
     fn runs(&self, channel: u16) -> Result<(), String> {
         self.known(channel)?;
         match self.doing(channel) {

@@ -65,7 +65,7 @@ pub enum Code {
         register: Register,
         /// With prefix and suffix.
         word: bool,
-        /// Value from the arguments, else the current one.
+        /// Value from the arguments, otherwise the current one.
         argument: bool,
     },
     /// `^`

@@ -4,13 +4,13 @@ use crate::state::State;
 
 /// The host's files.
 pub trait Files {
-    /// Tells whether a macro may open a file of this name: 0, else the status for `$ERRNO`.
+    /// Tells whether a macro may open a file of this name: 0, otherwise the status for `$ERRNO`.
     fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
         let _ = (state, path);
         0
     }
 
-    /// Tells whether a file of this name could be written: 0, else the status for `$ERRNO`.
+    /// Tells whether a file of this name could be written: 0, otherwise the status for `$ERRNO`.
     fn may_write(&mut self, path: &str) -> i32 {
         let _ = path;
         0

@@ -13,7 +13,7 @@ use crate::toml::section::Section;
 /// Most rows of the table.
 const MOST: usize = 1000;
 
-/// Keys of a row that is switched off: it only takes away that of the family.
+/// Keys of a row that is switched off: it only removes that of the family.
 const KEYS: [&str; 19] = [
     "alarm", "name", "text", "codes", "implied", "with", "all", "without", "active", "inactive", "register", "min",
     "max", "whole", "point", "most", "zero", "unless", "together",

@@ -319,7 +319,7 @@ pub struct LengthRules {
     pub at_reference: LengthThere,
     /// In moves to positions of the machine frame.
     pub in_machine_frame: LengthInMachineFrame,
-    /// A new value of the offset in force counts from the next block with the code or the word of its number.
+    /// A new value of the active offset counts from the next block with the code or the word of its number.
     pub by_word: bool,
     /// Codes and numbers move the axis by the change; otherwise they shift the frame, and nothing moves.
     pub moves: bool,

@@ -1,7 +1,7 @@
 //! The components of a composite machine.
 //!
 //! A component is a machine definition of its own with the axes, channels, spindles and waits of the composite.
-//! *Invariant:* each channel of a composite has a component; the first one of a channel is in work when its program
+//! *Invariant:* each channel of a composite has a component; the first one of a channel is active when its program
 //! begins. Facts: reference control-emulator.md 8.1, 8.3.
 
 use std::sync::Arc;

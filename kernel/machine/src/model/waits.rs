@@ -40,7 +40,7 @@ pub struct WaitRow {
 /// The data of a row about signals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SignalRow {
-    /// The statement has key words in brackets, and a channel may send to itself.
+    /// The statement has keywords in brackets, and a channel may send to itself.
     pub keys: bool,
     /// A signal to all channels stays until it is removed; otherwise each receiver uses up its own.
     pub stays: bool,

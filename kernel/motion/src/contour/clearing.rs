@@ -1,9 +1,9 @@
 //! How a tool clears an area: cuts along the first axis that follow each other along the rim, then ways along all
 //! walls.
 //!
-//! Decisions: a cut goes on with the next one above it where the rim leads there without going down; where it does not,
-//! the tool begins again. A blank is cut from outside of it. *Invariant:* every element lies on a rim of the room of
-//! the tool's centre, or within it.
+//! Decisions: a cut continues with the next one above it where the rim leads there without going down; where it does
+//! not, the tool begins again. A blank is cut from outside of it. *Invariant:* every element lies on a rim of the room
+//! of the tool's centre, or within it.
 
 use super::area::Area;
 use super::closed::{Closed, is_clear};
@@ -71,7 +71,7 @@ impl Clearing {
         Some(Self::round(left, blank_rim))
     }
 
-    /// All round a room.
+    /// All around a room.
     fn round(room: Vec<Closed>, blank: Option<Closed>) -> Self {
         let ways = room.iter().map(|ring| ring.from_longest().elements().to_vec()).collect();
         Self { ways, room, blank }
@@ -87,7 +87,7 @@ impl Clearing {
         }
         let count = ((high - low) / step - 1e-6).ceil().clamp(1.0, f64::from(most)) as u32;
         let mut rows: Vec<Vec<Element>> = Vec::new();
-        // Rows that may go on, with the height of their last line.
+        // Rows that may continue, with the height of their last line.
         let mut going: Vec<usize> = Vec::new();
         let mut last = low;
         for number in 1..count {

@@ -94,7 +94,8 @@ impl Offset {
         Corner { end, links, hurts: small }
     }
 
-    /// Between two pieces; outside both offsets go on by a length before an arc joins them, at most to where they meet.
+    /// Between two pieces; outside both offsets continue by a length before an arc joins them, at most to where they
+    /// meet.
     pub fn extended(&self, first: &Element, second: &Element, here: Spot, by: f64) -> Corner {
         let (before, after) = (first.end(), second.start());
         let (end, start) = (self.at_end(first), self.at_start(second));

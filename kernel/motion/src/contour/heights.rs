@@ -1,6 +1,6 @@
 //! Heights along a way beside a contour that has some.
 //!
-//! Decisions: a spot beside the contour is as high as the spot of the contour that it lies beside; round a corner
+//! Decisions: a spot beside the contour is as high as the spot of the contour that it lies beside; around a corner
 //! outside the way stays as high as the corner. *Invariant:* a way that is not beside the contour has no heights.
 
 use super::element::{Element, beside, distance};
@@ -48,7 +48,7 @@ mod tests {
         // Inside, the way ends 2 before the corner; then it begins 2 behind it.
         let inside = rounded(&contour, 1.0, 2.0).unwrap();
         assert_eq!(heights(&inside, (1.0, 2.0), &high), Some(vec![[0.0, -4.0], [-6.4, -8.0]]));
-        // Outside, the arc round the corner is as high as the end of the first element.
+        // Outside, the arc around the corner is as high as the end of the first element.
         let outside = rounded(&contour, -1.0, 2.0).unwrap();
         assert_eq!(heights(&outside, (-1.0, 2.0), &high), Some(vec![[0.0, -5.0], [-5.0, -5.0], [-6.0, -8.0]]));
         assert_eq!(heights(&outside, (-1.0, 3.0), &high), None);

@@ -15,7 +15,7 @@ pub fn shifted(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Elemen
     beside(contour, Offset { side, radius: amount, corner: 1, limit: -1.0, shape: None })
 }
 
-/// The same with arcs round the corners outside.
+/// The same with arcs around the corners outside.
 #[must_use]
 pub fn rounded(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Element>> {
     beside(contour, Offset { side, radius: amount, corner: 2, limit: -1.0, shape: None })

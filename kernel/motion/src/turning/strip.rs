@@ -44,7 +44,7 @@ pub struct Strip {
     pub feeds: [f64; 3],
     /// Largest angle of a falling flank, degrees; 0 for any.
     pub clearance: f64,
-    /// The tool plunges: how far its other edge is along the cut from the one in work; 0 for a tool that cuts along.
+    /// The tool plunges: how far its other edge is along the cut from the active one; 0 for a tool that cuts along.
     pub plunges: f64,
 }
 

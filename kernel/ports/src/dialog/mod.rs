@@ -172,7 +172,7 @@ impl Dialog {
         values
     }
 
-    /// The button an answer presses: the named one, else the first of type OK.
+    /// The button an answer presses: the named one, otherwise the first of type OK.
     fn button(&self, answer: &Answer) -> Result<&Button, String> {
         let found = match &answer.button {
             Some(label) => self.buttons.iter().find(|button| button.label.eq_ignore_ascii_case(label)),
@@ -203,7 +203,7 @@ impl Field {
         set == *wanted
     }
 
-    /// The value it begins with: that of its variable, else its default.
+    /// The value it begins with: that of its variable, otherwise its default.
     fn start(&self, current: &mut dyn FnMut(&str) -> Option<Value>) -> Option<Value> {
         current(&self.variable).filter(|value| !value.is_empty()).or_else(|| self.default.clone())
     }

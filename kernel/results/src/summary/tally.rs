@@ -73,7 +73,7 @@ impl Tally {
         matches!(self.end, Some((ChannelState::Ended | ChannelState::Alarmed, _)))
     }
 
-    /// A program that has begun and, by the state of its channel, did not come to its end.
+    /// A program that has begun and, by the state of its channel, did not reach its end.
     pub fn is_cut_short(&self, state: ChannelState) -> bool {
         self.begun && matches!(state, ChannelState::Alarmed | ChannelState::Blocked | ChannelState::Stopped)
     }

@@ -22,9 +22,9 @@ pub(super) struct Face {
     c: Option<usize>,
     z: Option<usize>,
     path: Path,
-    /// Where the moves of the tool in work begin.
+    /// Where the moves of the active tool begin.
     of_tool: Here,
-    /// The tool in work has turned C or moved Y.
+    /// The active tool has turned C or moved Y.
     live: bool,
     end: Option<Position>,
 }
@@ -44,7 +44,7 @@ impl Face {
         Some(Self { x, y, c, z: find("Z"), path, of_tool, live: false, end: None })
     }
 
-    /// Another tool is in work from here on.
+    /// Another tool is active from here on.
     pub(super) fn tool(&mut self) {
         if !self.live {
             self.path.rewind(self.of_tool);

@@ -86,7 +86,7 @@ impl Coordinator {
         }
     }
 
-    /// Arrives at a wait, and waits until the wait is over or the kernel has to carry out its arrival itself.
+    /// Arrives at a wait, and waits until the wait is over or the kernel has to execute its arrival itself.
     pub(super) fn meet<S>(
         &self,
         waiting: Waiting,

@@ -73,7 +73,7 @@ struct Player {
     clock: (i64, u32),
     bound: i64,
     need: i64,
-    /// Changes at the begin of its pass, if it polls.
+    /// Changes at the start of its pass, if it polls.
     begun: Option<u64>,
     /// Fate of the kernel.
     fate: &'static str,
@@ -95,7 +95,7 @@ struct World {
     /// Bounds as they were read so far.
     heard: Vec<i64>,
     locked: Option<Locked>,
-    /// Operations as they were carried out.
+    /// Operations as they were executed.
     log: Vec<(Tag, Op)>,
     /// The verdicts, and when they were given.
     verdicts: Vec<String>,
@@ -437,7 +437,7 @@ fn one_outcome(scripts: &[&[Op]]) {
         assert_eq!(outcomes.len(), 1, "{scripts:?}\n{outcomes:#?}");
         return;
     }
-    // Up to the stop the operations are the same; afterwards nothing is carried out.
+    // Up to the stop the operations are the same; afterwards nothing is executed.
     let logs: BTreeSet<Vec<&str>> =
         outcomes.iter().map(|o| o.lines().filter(|l| l.starts_with("Tag")).collect()).collect();
     assert_eq!(logs.len(), 1, "{scripts:?}\n{outcomes:#?}");

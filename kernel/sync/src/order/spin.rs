@@ -2,10 +2,10 @@
 //!
 //! Every change of shared data raises a counter. A pass that begins and ends at the same counter, and with the same
 //! state of its own channel, repeats indefinitely unless another channel changes something. A kernel in such a loop
-//! rests until another one changes something, waits or ends, and goes on at the begin of the first pass after that.
+//! rests until another one changes something, waits or ends, and continues at the start of the first pass after that.
 //! *Invariants:* passes and changes come in tag order, so only simulated time decides when a kernel rests, when it
-//! continues, and when no kernel is left to change anything; a resting kernel has seen everything before its next
-//! pass. Facts: reference channel-synchronisation.md 2.4.
+//! continues, and when no kernel is left to change anything; a resting kernel has seen everything before its next pass.
+//! Facts: reference channel-synchronisation.md 2.4.
 
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ pub(super) struct Spin {
     changes: u64,
 }
 
-/// Passes that a kernel does not carry out, since each would be like the one before.
+/// Passes that a kernel does not execute, since each would be like the one before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Nap {
     /// Begin of the first one, ns.
@@ -83,7 +83,7 @@ impl Order {
         self.rouse();
     }
 
-    /// A pass of the channel that acts ends and has only read; `begun` has the changes at its begin if the channel is
+    /// A pass of the channel that acts ends and has only read; `begun` has the changes at its start if the channel is
     /// in the same state as then. `every`: the pass has read at one instant, and so long after it, ns, the next one
     /// begins.
     pub fn lap(&mut self, tag: Tag, lap: Lap, begun: Option<u64>, names: &Arc<str>, every: Option<i64>) -> After {
@@ -201,7 +201,7 @@ mod tests {
     fn whoever_rests_goes_on_with_the_first_pass_that_sees_the_change() {
         let wake = |passes: u64, t: i64| Some(Wake::Roused { tag: tag(2, t), passes });
         let change = |order: &mut Order| order.change();
-        // Between two passes; at the begin of one, by a channel before and after this one; at once after the first.
+        // Between two passes; at the start of one, by a channel before and after this one; at once after the first.
         assert_eq!(roused(change, tag(1, 7 * TICK + 1)), wake(3, 8 * TICK));
         assert_eq!(roused(change, tag(1, 8 * TICK)), wake(3, 8 * TICK));
         assert_eq!(roused(change, tag(3, 8 * TICK)), wake(4, 9 * TICK));
@@ -210,7 +210,7 @@ mod tests {
         // A channel that waits or ends may have been the last that could change something.
         assert_eq!(roused(|order| order.block(3), tag(3, 7 * TICK)), wake(3, 8 * TICK));
         assert_eq!(roused(|order| order.done(1), tag(1, 7 * TICK)), wake(2, 7 * TICK));
-        // Others have got beyond the passes before a stop, so none is carried out.
+        // Others have got beyond the passes before a stop, so none is executed.
         assert_eq!(roused(|order| order.stop(tag(1, 7 * TICK)), tag(1, 7 * TICK)), Some(Wake::Stopped));
         assert_eq!(roused(|_| (), tag(1, 7 * TICK)), None);
     }

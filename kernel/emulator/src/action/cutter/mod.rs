@@ -415,7 +415,7 @@ impl Act<'_, '_> {
         self.straight(&step, to)
     }
 
-    /// The program has come to an end: the move that waits is made, unless the job has been stopped.
+    /// The program has ended: the waiting move is made, unless the job has been stopped.
     pub(crate) fn end_compensation(&mut self, halt: Halt) -> Halt {
         if !self.is_compensated() {
             return halt;

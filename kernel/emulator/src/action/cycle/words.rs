@@ -118,7 +118,7 @@ fn take_pitch(act: &mut Act<'_, '_>) {
     }
 }
 
-/// The depth: data of its own, else the word of the axis.
+/// The depth: data of its own, otherwise the word of the axis.
 fn depth(act: &mut Act<'_, '_>, (role, axis): (usize, AxisSlot), scale: f64, rule: Heights) {
     let id = [data::CYCLE_DEPTH_X, data::CYCLE_DEPTH_Y, data::CYCLE_DEPTH_Z].get(role).copied();
     let own = id.and_then(|id| height(act, id, rule, scale));

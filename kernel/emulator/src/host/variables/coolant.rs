@@ -27,7 +27,7 @@ fn real(value: &Value) -> f64 {
     value.as_real().filter(|value| value.is_finite()).unwrap_or(0.0)
 }
 
-/// The head in work: the side one has coolant of its own once a code has switched it.
+/// The active head: the side one has coolant of its own once a code has switched it.
 fn outlet(kernel: &Kernel<'_>) -> Outlet {
     let side = kernel.channel.state.modal.code(group::HEAD) == Some(codes::HEAD_SIDE);
     if side && kernel.channel.state.modal.code(group::COOLANT_SIDE).is_some() { Outlet::Side } else { Outlet::Main }

@@ -18,7 +18,7 @@ pub(crate) struct Operation {
     pub(crate) severity: u8,
     /// Head that was active when it began.
     pub(crate) head: Option<u8>,
-    /// Numbers of the length, diameter and fixture offsets in force when something moved.
+    /// Numbers of the active length, diameter and fixture offsets when something moved.
     pub(crate) offsets: [Vec<u32>; 3],
 }
 

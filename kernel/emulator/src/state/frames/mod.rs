@@ -44,7 +44,7 @@ use counterpoint_event::event::Position;
 const NOISE: f64 = 1e-9;
 const PER_UNIT: f64 = 1e9;
 
-/// Largest coordinate whose noise is taken away.
+/// Largest coordinate whose noise is removed.
 const FINE: f64 = 1e6;
 
 /// Transformations between the words of the program and the axes, besides the plain shift.

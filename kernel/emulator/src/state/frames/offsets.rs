@@ -122,8 +122,8 @@ impl Channel<'_> {
         true
     }
 
-    /// Stores an offset, which is not in force before the frame is made again; `false` when there is no room for it or
-    /// it is out of all bounds.
+    /// Stores an offset, which is not active before the frame is made again; `false` when there is no room for it or it
+    /// is out of all bounds.
     pub(crate) fn store_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
         if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
             return false;

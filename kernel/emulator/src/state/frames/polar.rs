@@ -2,10 +2,10 @@
 //!
 //! The part has coordinates of its own. On its face (polar) the first one is along the linear axis when the
 //! interpolation begins, the second one across, both as geometry (radii). On a cylinder one is along its axis, the
-//! other is the travel round its surface. Positions stay those of the real axes; the program says coordinates
+//! other is the travel around its surface. Positions stay those of the real axes; the program says coordinates
 //! (Cartesian), or the words of the axes, and moves are straight or round on the part. Facts: reference
 //! control-emulator.md 6.8, turning-cycles.md 10. *Invariant:* on the face the rotary axis never turns further than the
-//! move goes round the centre.
+//! move goes around the centre.
 
 use super::{Frames, NOISE, clean};
 use crate::state::channel::Channel;
@@ -67,7 +67,7 @@ pub(crate) fn between([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     libm::atan2(ax * by - ay * bx, ax * bx + ay * by).to_degrees()
 }
 
-/// Degrees that a way of short steps goes round the centre.
+/// Degrees that a way of short steps goes around the centre.
 pub(crate) fn round_the_centre(points: impl Iterator<Item = [f64; 2]>) -> f64 {
     let mut sum = 0.0;
     let mut last: Option<[f64; 2]> = None;
@@ -137,7 +137,7 @@ impl Polar {
         }
     }
 
-    /// Puts the axes to a point of the part. `round`: degrees of the way round the centre of a face from where they
+    /// Puts the axes to a point of the part. `round`: degrees of the way around the centre of a face from where they
     /// stand.
     pub(crate) fn reach(&self, place: &Place, real: &mut Position, to: [f64; 2], round: f64) {
         let stands = place.position.at(self.rotary);

@@ -121,7 +121,7 @@ impl Channel<'_> {
         self.env.machine.tool.offset_digits > 0
     }
 
-    /// Number of the diameter offset in force.
+    /// Number of the active diameter offset.
     pub(crate) fn diameter_in_force(&self) -> Option<u32> {
         let active = self.state.modal.code(group::DIAMETER).filter(|code| DIAMETERS.contains(code));
         active.map(|_| self.diameter_number())

@@ -4,7 +4,7 @@
 //! without it (`Tilted::map`), which is the part with the tables at zero. Once the rotary axes have turned into the
 //! plane, or count as if they had, the linear axes follow the part and the tool to where they then are, as under tool
 //! tip control; words of rotary axes move nothing else. *Invariant:* making, turning and ending a plane never moves the
-//! linear axes, but for a turn that keeps the tool on the part. Facts: reference heidenhain-cycles.md 6,
+//! linear axes, except for a turn that keeps the tool on the part. Facts: reference heidenhain-cycles.md 6,
 //! siemens-cycles.md 2; Fanuc user's manual B-63944EN 21.2 (the plane turns with the table at G53.1). Decisions:
 //! docs/emulation.md, "Tilted planes".
 
@@ -54,7 +54,7 @@ pub(crate) struct Wishes {
 /// Blocks of a definition that is not complete.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Parts {
-    /// Three points, else two directions.
+    /// Three points, otherwise two directions.
     pub(crate) points: bool,
     /// Coordinates of a point and parts of a direction, by number of the block.
     pub(crate) known: [Option<[f64; 6]>; 4],

@@ -111,7 +111,8 @@ fn plus([a, b, c]: Point, [x, y, z]: Point) -> Point {
 }
 
 impl Channel<'_> {
-    /// The rotary axes of the channel as tool tip control uses them: those that a macro has chosen, else the first two.
+    /// The rotary axes of the channel as tool tip control uses them: those that a macro has chosen, otherwise the first
+    /// two.
     pub(crate) fn chain(&self) -> Chain<AxisSlot> {
         let settings = &self.state.others.tip;
         let joint = |(slot, axis): (AxisSlot, &crate::state::position::Axis)| {

@@ -3,7 +3,7 @@
 /// Words that tell a circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum By {
-    /// A radius if there is one, else a centre.
+    /// A radius if there is one, otherwise a centre.
     #[default]
     Any,
     /// A centre.

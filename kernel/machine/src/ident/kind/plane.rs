@@ -8,7 +8,7 @@ pub enum Form {
     Said,
     /// Angles about Z, the turned X and the turned Z.
     Euler,
-    /// Angles about X, Y and Z that stay, in the order of the data, else X, Y, Z.
+    /// Angles about X, Y and Z that stay, in the order of the data, otherwise X, Y, Z.
     Fixed,
     /// Three points.
     Points,
@@ -16,7 +16,7 @@ pub enum Form {
     Directions,
     /// Angles of the lines in which the plane cuts two others.
     Projections,
-    /// Angles about axes that the ones before have turned, in the order of the data, else X, Y, Z.
+    /// Angles about axes that the ones before have turned, in the order of the data, otherwise X, Y, Z.
     Turned,
     /// Positions of the rotary axes.
     Positions,

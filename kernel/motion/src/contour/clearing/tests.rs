@@ -80,8 +80,8 @@ fn a_square_with_a_round_island() {
     assert_eq!((ways[0][0].from, ways[1][0].from), ([3.0, 20.0], [12.0, 20.0]));
     assert!(ways[1].iter().all(|piece| piece.arc.is_some_and(|arc| arc.radius == 8.0 && arc.sweep < 0.0)));
     assert_eq!(clearing.plunges(&rows), [[3.0, 20.0], [28.0, 20.0]]);
-    // With seven lines the third one is the first that meets the island: the cuts on its left go on, those on the right
-    // are a row of their own.
+    // With seven lines the third one is the first that meets the island: the cuts on its left continue, those on the
+    // right are a row of their own.
     let rows = clearing.rows(34.0 / 8.0, 100);
     let right = [20.0 + (64.0_f64 - 4.25 * 4.25).sqrt(), 15.75];
     assert_eq!((rows.len(), rows[0][0].from), (2, [3.0, 7.25]));

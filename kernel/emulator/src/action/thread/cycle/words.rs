@@ -168,7 +168,7 @@ pub(super) fn chamfer(act: &mut Act<'_, '_>) {
     }
 }
 
-/// The lead: the cycle's own word, else that of threads.
+/// The lead: the cycle's own word, otherwise that of threads.
 pub(super) fn screw(
     act: &mut Act<'_, '_>,
     pitch: DataId,
