@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::say;
 use crate::text::table;
 
-/// Executes a command; gives the exit code.
+/// Executes a command; returns the exit code.
 pub(crate) async fn dispatch(command: Admin) -> Result<u8, Error> {
     let (Admin::Connections(at) | Admin::Streams(at) | Admin::Workers(at) | Admin::Drain(at) | Admin::Collect(at)) =
         &command;

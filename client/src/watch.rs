@@ -29,7 +29,7 @@ pub enum Update {
     Description(v1::JobDescription),
     /// Events; [`Watch::cursor`] is after them.
     Events(v1::EventBatch),
-    /// Where the job stands now.
+    /// Where the job is now.
     Progress(v1::Progress),
     /// The job has ended; nothing comes after it.
     Ended(Box<v1::JobStatus>),

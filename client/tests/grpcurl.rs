@@ -95,7 +95,7 @@ impl Reflection {
 /// The call whose stream ends with its caller only.
 const ENDLESS: &str = "WatchJobs";
 
-/// Calls a method with messages in JSON; gives the answers in JSON.
+/// Calls a method with messages in JSON; returns the answers in JSON.
 async fn call(channel: &Channel, method: &MethodDescriptor, json: &str) -> Result<Vec<Value>, Status> {
     let objects = serde_json::Deserializer::from_str(json).into_iter::<Value>();
     let messages: Vec<DynamicMessage> = objects

@@ -78,6 +78,6 @@ pub(crate) trait Receiver: Send {
 
     fn chunk(&mut self, data: &[u8]) -> Result<(), Refusal>;
 
-    /// Puts the blob in its place; gives its size.
+    /// Puts the blob in its place; returns its size.
     fn finish(self: Box<Self>) -> Result<u64, Refusal>;
 }

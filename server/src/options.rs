@@ -36,7 +36,7 @@ pub struct Options {
     pub grace_s: u64,
     /// Free bytes on the disk of the data folder below which no run starts and no job or upload is accepted.
     pub min_free_bytes: u64,
-    /// Who may call.
+    /// Permitted callers.
     #[serde(flatten)]
     pub guard: Guard,
     /// Commands of the operating system, and the operator.

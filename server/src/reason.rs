@@ -133,10 +133,10 @@ pub enum Refusal {
     /// The name belongs to a machine that is shipped with the server.
     #[error("'{0}' is the name of a machine shipped with the server; choose another name")]
     MachineShipped(String),
-    /// Who calls is not known.
+    /// The caller is not known.
     #[error("{0}")]
     Unauthenticated(String),
-    /// Who calls may not do this.
+    /// The caller may not do this.
     #[error("{0}")]
     PermissionDenied(String),
     /// A message is larger than the server takes.

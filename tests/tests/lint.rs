@@ -166,7 +166,7 @@ fn nothing_else_acts() {
 }
 
 /// A run stops at the first word that the machine lacks; here all of them are named at once, each once, in branches too
-/// and behind blocks where the waits are judged no further.
+/// and after blocks where the waits are judged no further.
 #[test]
 fn all_unknown_words_are_reported_in_one_go() {
     let program =

@@ -42,7 +42,7 @@ fn job(channels: u16, program: impl Fn(u16) -> String) -> Work {
     )
 }
 
-/// Runs a job with one thread and with all; gives the meetings and the memory of each.
+/// Runs a job with one thread and with all; returns the meetings and the memory of each.
 fn both_modes(mut work: Work, logged: bool) -> (usize, i64, Vec<u64>) {
     let mut memory = Vec::new();
     let mut found = Vec::new();
@@ -82,7 +82,7 @@ fn channels_up_to_the_most_meet_all_together() {
     }
 }
 
-/// One of 32 does not come: the verdict names it, and all who wait.
+/// One of 32 does not come: the verdict names it, and all waiting channels.
 #[test]
 fn one_of_the_most_is_missing() {
     let _alone = alone();

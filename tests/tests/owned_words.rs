@@ -32,7 +32,7 @@ const MOVES: &[&str] = &[
     "CODE_OKUMA_TAP",
     "CODE_TERN_PARTOFF",
     "CODE_TERN_PROBE",
-    // Modes of the motion that may stand in its block.
+    // Modes of the motion that may be in its block.
     "CODE_ANGLES_*",
     "CODE_C2P_CART_*",
     "CODE_CONTOUR_*",
@@ -64,7 +64,7 @@ const MOVES: &[&str] = &[
     "CODE_TILT_POSITIVE",
     "CODE_TILT_TABLE",
     "CODE_TILT_TURN",
-    // The ends of a rotation and of a scale may stand beside a move (Fanuc G69, G50).
+    // The ends of a rotation and of a scale may be beside a move (Fanuc G69, G50).
     "CODE_LCS_ROTATE_OFF",
     "CODE_LCS_SCALE_OFF",
     // Functions of the machine, stops and calls.
@@ -267,7 +267,7 @@ fn run(machine: &Arc<Machine>, blocks: &[String]) -> (BTreeSet<usize>, usize) {
     (places(|kind| matches!(kind, Kind::Motion(_))).collect(), begun)
 }
 
-/// The blocks in which something moves. A block behind an alarm or an end gets a program of its own.
+/// The blocks in which something moves. A block after an alarm or an end gets a program of its own.
 fn moving(machine: &Arc<Machine>, blocks: &[String]) -> Vec<String> {
     let mut moving = Vec::new();
     let mut rest = blocks;

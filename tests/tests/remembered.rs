@@ -108,7 +108,7 @@ impl Maker<'_> {
         }
     }
 
-    /// The line behind a block that prints the words.
+    /// The line after a block that prints the words.
     fn print(&mut self) {
         self.line("DPRNT[D#4107[40]H#4111[40]M#4113[40]N#4114[40]O#4115[40]]");
         let line = self.made.text.lines().count() as u32;

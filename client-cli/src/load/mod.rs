@@ -40,7 +40,7 @@ const CALLERS: usize = 100;
 /// Connections at a rate.
 const CONNECTIONS: usize = 4;
 
-/// Executes the command; gives the exit code.
+/// Executes the command; returns the exit code.
 pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
     let at = address(&arguments.remote.server)?;
     if !at.ip().is_loopback() && !arguments.allow_remote {

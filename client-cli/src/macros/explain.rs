@@ -47,7 +47,7 @@ pub(super) fn page(what: &str) -> Option<String> {
     PAGES.get_file(format!("{number:08}.md"))?.contents_utf8().map(str::to_owned)
 }
 
-/// Letters of alarms whose number may stand alone.
+/// Letters of alarms whose number may be alone.
 const ALARMS: &[&str] = &["PS", "SR", "SW", "SV", "SP", "OT", "OH", "IO", "PW", "BG", "DS", "IE", "EX"];
 
 /// Letters and number of an alarm of a control: two to four letters, or none in short.

@@ -112,7 +112,7 @@ pub trait Interpreter: Send {
 pub enum Made {
     /// Nothing.
     Nothing,
-    /// The words that the interpreter has put on the block ([`super::host::Words::push`]).
+    /// The words that the interpreter has put in the block ([`super::host::Words::push`]).
     Words,
 }
 
@@ -132,7 +132,7 @@ pub enum Remaining {
     Nothing,
     /// The text of the words; several blocks are in lines of their own.
     Text(String),
-    /// The words that the interpreter has put on the block ([`super::host::Words::push`]).
+    /// The words that the interpreter has put in the block ([`super::host::Words::push`]).
     Words,
 }
 

@@ -92,17 +92,17 @@ impl Act<'_, '_> {
         }
     }
 
-    /// A value of `id` is on the block.
+    /// A value of `id` is in the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
         self.kernel.block_has(id)
     }
 
-    /// A free word that can move an axis or shape an arc is on the block.
+    /// A free word that can move an axis or shape an arc is in the block.
     pub(crate) fn has_motion_word(&self) -> bool {
         self.has_any(self.kernel.plan.registers.motion)
     }
 
-    /// A free word of an axis is on the block.
+    /// A free word of an axis is in the block.
     pub(crate) fn has_axis_word(&self) -> bool {
         let axes = self.state.place.layout.axes.iter().fold(0, |bits, axis| bits | self.registers_of(axis.data));
         self.has_any(axes)
@@ -289,7 +289,7 @@ impl Act<'_, '_> {
         !self.kernel.macros.calls.running.is_empty()
     }
 
-    /// Puts the sum of all offsets into force; the machine stands still.
+    /// Makes the sum of all offsets active; the machine does not move.
     pub(crate) fn reframe(&mut self) {
         self.kernel.reframe();
     }

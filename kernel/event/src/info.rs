@@ -88,7 +88,7 @@ pub struct Axis {
 pub struct File {
     /// Path as the job names it.
     pub name: String,
-    /// It is stored with the machine: its blocks are shown only to those who ask for them.
+    /// It is stored with the machine: its blocks are shown only to clients that ask for them.
     pub stored: bool,
     /// Text and line index once loaded.
     pub text: OnceLock<Option<Arc<Text>>>,

@@ -20,7 +20,7 @@ pub struct Habits {
     pub frame_increments: bool,
     /// How the programs of channels stand in one file.
     pub programs: FileLayout,
-    /// Of several G codes of one group on a block only the last one acts.
+    /// Of several G codes of one group in a block only the last one acts.
     pub last_of_group: bool,
     /// One-shot codes count as one such group.
     pub one_shots_of_group: bool,

@@ -181,7 +181,7 @@ pub enum MachineKind {
 pub struct Format {
     /// Rewind-stop text alone on a line, empty = none.
     pub rws: String,
-    /// Text may stand beside it: behind it leader that is skipped, before it the last block of the tape.
+    /// Text may be beside it: after it leader that is skipped, before it the last block of the tape.
     pub rws_inline: bool,
     /// A comment continues over lines until its end.
     pub long_comments: bool,
@@ -207,7 +207,7 @@ impl Format {
     }
 }
 
-/// A line has nothing but the rewind-stop or, where text may stand beside it, begins with it.
+/// A line has nothing but the rewind-stop or, where text may be beside it, begins with it.
 #[must_use]
 pub fn is_rewind_stop(rws: &[u8], inline: bool, line: &[u8]) -> bool {
     let line = line.trim_ascii();

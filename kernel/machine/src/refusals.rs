@@ -16,19 +16,19 @@ pub struct Refusal {
     pub alarm: String,
     /// The description of the alarm.
     pub text: String,
-    /// One of these codes is on the block; empty: any block.
+    /// One of these codes is in the block; empty: any block.
     pub codes: Vec<Written>,
-    /// The code counts also where it acts without being written, on a block without other codes.
+    /// The code counts also where it acts without being written, in a block without other codes.
     pub implied: bool,
-    /// One of these registers is on the block, bit by register; 0: any block.
+    /// One of these registers is in the block, bit by register; 0: any block.
     pub with: u128,
-    /// All of these registers are on the block, bit by register.
+    /// All of these registers are in the block, bit by register.
     pub all: u128,
-    /// None of these registers is on the block, bit by register.
+    /// None of these registers is in the block, bit by register.
     pub without: u128,
     /// One of these codes is also in the block; empty: any block.
     pub together: Vec<Written>,
-    /// None of these codes is on the block.
+    /// None of these codes is in the block.
     pub unless: Vec<Written>,
     /// One of these codes is active when the block begins, and the block makes no other of its group active.
     pub active: Vec<Active>,
@@ -82,6 +82,6 @@ pub struct WordRule {
     pub whole: bool,
     /// It may be written with a decimal point.
     pub pointed: bool,
-    /// Most words of the register on one block.
+    /// Most words of the register in one block.
     pub most: Option<u8>,
 }

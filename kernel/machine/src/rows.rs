@@ -135,9 +135,9 @@ pub struct CodeRow {
     pub mul: f64,
     /// See `mul`.
     pub add: f64,
-    /// Row matches only if one of these registers is on the block; empty = always.
+    /// Row matches only if one of these registers is in the block; empty = always.
     pub with: Vec<RegisterId>,
-    /// Row matches only if none of these registers is on the block.
+    /// Row matches only if none of these registers is in the block.
     pub without: Vec<RegisterId>,
     /// Registers whose words the control ignores on a block of this code.
     pub ignores: Vec<RegisterId>,
@@ -164,7 +164,7 @@ impl CodeRow {
         self.id == other.id && self.form == other.form && self.choice() == other.choice()
     }
 
-    /// The axis of the cycle if other registers on the block choose this row.
+    /// The axis of the cycle if other registers in the block choose this row.
     fn choice(&self) -> Option<u8> {
         self.axis.filter(|_| !self.with.is_empty() || !self.without.is_empty())
     }
@@ -202,11 +202,11 @@ pub enum CodeForm {
 /// Modality of a code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Modality {
-    /// Acts on its block.
+    /// Acts in its block.
     NonModal,
     /// Active until another code of its group.
     Modal,
-    /// Modal, and fires again on every block.
+    /// Modal, and fires again in every block.
     Persistent,
 }
 

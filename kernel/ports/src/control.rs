@@ -92,7 +92,7 @@ impl Control {
         self
     }
 
-    /// Who answers dialogs.
+    /// The operator who answers dialogs.
     #[must_use]
     pub fn operator(&self) -> Option<&dyn Operator> {
         self.operator.as_deref()

@@ -108,7 +108,7 @@ pub enum Said {
 /// Where everything is.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
-    /// Why the run stands, for a person.
+    /// Why the run is paused, for a person.
     pub reason: String,
     /// The channel that the reason is about; 0 = none.
     pub channel: u16,

@@ -32,7 +32,7 @@ pub struct PendingCode {
     pub row: CodeRowId,
     /// Value of the word (before factor), 0 for literal texts.
     pub value: f64,
-    /// The modal code of its group that words fire; it is not written on the block.
+    /// The modal code of its group that words fire; it is not written in the block.
     pub modal: bool,
     /// Acts only if some of its triggering data has not been consumed by then.
     pub only_if_data_left: bool,
@@ -132,7 +132,7 @@ pub struct Block {
     pub present: u128,
     /// A register is written twice; its first word is never taken.
     doubled: bool,
-    /// Data that macros have put on the block: value without factor and units.
+    /// Data that macros have put in the block: value without factor and units.
     pub added: Vec<(DataId, f64)>,
     /// Position of the code that acts next, on a kernel with macros.
     pub next: usize,
@@ -265,12 +265,12 @@ impl Block {
         self.words.get(usize::from(*slot)).copied()
     }
 
-    /// A free data word of this register is on the block.
+    /// A free data word of this register is in the block.
     pub fn has(&self, register: RegisterId) -> bool {
         self.present & register.bit() != 0
     }
 
-    /// A word that nothing has taken is on the block.
+    /// A word that nothing has taken is in the block.
     pub fn has_leftovers(&self) -> bool {
         self.present != 0 || self.doubled
     }

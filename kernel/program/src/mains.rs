@@ -7,7 +7,7 @@ use super::shape::Range;
 use super::source::Source;
 
 /// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
-/// the first definition is one of its own if it comes to an end code or the program behind it is called; otherwise that
+/// the first definition is one of its own if it comes to an end code or the program after it is called; otherwise that
 /// program begins with it, since nothing skips a definition (reference control-emulator.md 5.7). Of a job archive those
 /// with the number 0, in the order of their channels.
 pub(super) fn mains(source: &Source, callers: &Callers) -> Vec<Range> {

@@ -36,7 +36,7 @@ pub struct PrefixRegister {
     pub register: RegisterId,
     /// Written with the second (incremental) name of the register.
     pub incremental: bool,
-    /// A tool's name may stand in place of the number.
+    /// A tool's name may be in place of the number.
     pub names: bool,
 }
 
@@ -56,7 +56,7 @@ pub fn starts_expression(line: &[u8], at: usize) -> bool {
 }
 
 impl PrefixRegister {
-    /// The text before the number stands at a place, with something behind it that may have a value.
+    /// The text before the number stands at a place, with something after it that may have a value.
     pub fn has_value(&self, line: &[u8], at: usize) -> bool {
         line.get(at..).is_some_and(|rest| rest.starts_with(&self.before)) && starts_value(line, at + self.before.len())
     }

@@ -28,7 +28,7 @@ pub struct Shape {
     /// Comments and messages, start and end.
     remarks: Vec<(Vec<u8>, Vec<u8>)>,
     rws: Vec<u8>,
-    /// Text may stand beside the rewind-stop.
+    /// Text may be beside the rewind-stop.
     rws_inline: bool,
     eob: Option<u8>,
 }

@@ -18,7 +18,7 @@ use counterpoint_lang::pattern::Match;
 use counterpoint_machine::model::TapeRule;
 use counterpoint_ports::control::Stop;
 
-/// Steps of the searches of all rules on one block.
+/// Steps of the searches of all rules in one block.
 const MOST_STEPS: u64 = 2 * STEPS;
 
 /// Longest file in whose text rules are looked for at once, bytes. In a longer one they are looked for by block, since

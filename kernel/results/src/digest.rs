@@ -257,7 +257,7 @@ impl Form {
         write_kind(&mut self.out, &event.kind);
     }
 
-    /// The words of a motion; gives the axes that change, of the start and of the end.
+    /// The words of a motion; returns the axes that change, of the start and of the end.
     #[inline(always)]
     fn motion(&mut self, motion: &Motion, words: &mut Words<'_>, flags: &mut u8) -> u64 {
         let facts = Facts {

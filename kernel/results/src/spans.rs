@@ -46,7 +46,7 @@ pub struct Spans {
 }
 
 impl Spans {
-    /// Any event that is neither block nor motion; gives the tool that it loads.
+    /// Any event that is neither block nor motion; returns the tool that it loads.
     pub fn event(&mut self, event: &Event) -> Option<u32> {
         let Kind::Tool(ToolChange { action: ToolAction::Load, tool, .. }) = event.kind else { return None };
         let again = self.loads.last().is_some_and(|(last, ..)| *last == tool);

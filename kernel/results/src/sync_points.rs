@@ -27,7 +27,7 @@ pub struct SyncPoint {
     /// The code does more than wait: it begins or ends balance cutting or a coupling of axes.
     #[serde(default, skip_serializing_if = "is_plain")]
     pub acts: bool,
-    /// Who arrived, ascending channel.
+    /// Channels that arrived, ascending channel.
     pub arrivals: Vec<Arrival>,
 }
 

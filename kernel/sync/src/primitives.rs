@@ -70,7 +70,7 @@ impl Memory {
         matches!(wait.primitive, Primitive::Flag | Primitive::Order)
     }
 
-    /// Who is missing for a channel at this wait, which need not stand at it yet.
+    /// Channels that are missing for a channel at this wait, which need not stand at it yet.
     #[inline]
     pub(crate) fn missing(&self, channel: u16, wait: &Wait, places: &Places, rules: &Rules) -> Missing {
         let scene = Scene { places, rules };
@@ -172,7 +172,7 @@ impl Memory {
         self.leases.moves(channel, key, moved)
     }
 
-    /// Who holds something, and the last move of it.
+    /// The holder of a resource, and the last move of it.
     pub(crate) fn lease(&self, key: Key) -> (Option<u16>, Option<Moved>) {
         self.leases.state(key)
     }

@@ -45,7 +45,7 @@ pub struct Wait {
 pub struct Send {
     /// Its mark.
     pub key: Key,
-    /// Who gets one.
+    /// Channels that get one.
     pub to: Set,
     /// It is for all channels: waits for any sender use it, those for named senders do not.
     pub broadcast: bool,
@@ -99,7 +99,7 @@ pub enum Act {
     Give {
         /// The resource.
         key: Key,
-        /// Who gets it.
+        /// Channels that get it.
         to: u16,
     },
 }

@@ -141,7 +141,7 @@ impl Waits {
         self.memory.missing(channel, wait, &self.places, &self.rules)
     }
 
-    /// Who is missing for the wait of a channel.
+    /// Channels that are missing for the wait of a channel.
     pub fn missing(&self, channel: u16) -> Missing {
         self.places.at(channel).map_or_else(Missing::default, |own| self.missing_at(channel, &own.wait))
     }
@@ -156,8 +156,8 @@ impl Waits {
         self.rules.of(wait)?.mismatch.and_then(|mismatch| (mismatch.refuses)(wait, other))
     }
 
-    /// Executes an arrival that raises no alarm and leaves no channel hopeless: it ends the wait, or those who are
-    /// missing can still come by themselves. `None`: the arrival is of another kind, and nothing has changed.
+    /// Executes an arrival that raises no alarm and leaves no channel hopeless: it ends the wait, or missing channels
+    /// can still come by themselves. `None`: the arrival is of another kind, and nothing has changed.
     pub fn arrive_plainly(&mut self, arriving: Waiting) -> Option<Arrived> {
         let refused = self.places.waiting().any(|other| self.refused(&arriving.wait, &other.wait).is_some());
         if refused || self.memory.illegal(&arriving).is_some() {
@@ -232,7 +232,7 @@ impl Waits {
         (!refused.standing.is_empty()).then_some((mismatch.reaction, refused))
     }
 
-    /// A channel does something for others; who continues by that.
+    /// A channel does something for others; returns the channels that continue by that.
     ///
     /// # Errors
     /// Why it cannot.
@@ -273,7 +273,7 @@ impl Waits {
         self.memory.moves(channel, key, moved)
     }
 
-    /// Who holds something, and the last move of it; none while it stands where the job found it.
+    /// The holder of a resource, and the last move of it; none while it stands where the job found it.
     pub fn lease(&self, key: Key) -> (Option<u16>, Option<Moved>) {
         self.memory.lease(key)
     }

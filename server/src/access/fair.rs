@@ -23,7 +23,7 @@ const LINGER: Duration = Duration::from_millis(250);
 /// Between two looks at the jobs of others, whose lock is a busy one.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Who calls.
+/// The caller.
 #[derive(Default)]
 pub(crate) struct Fair(Arc<All>);
 

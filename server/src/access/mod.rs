@@ -55,7 +55,7 @@ impl std::fmt::Display for Role {
     }
 }
 
-/// Who calls.
+/// The caller.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Identity {
     pub(crate) name: String,
@@ -180,7 +180,7 @@ impl Access {
         }
     }
 
-    /// Who calls: a token says more than the certificate of the connection.
+    /// The caller: a token says more than the certificate of the connection.
     fn identify(&self, headers: &HeaderMap, names: &CertificateNames) -> Result<Arc<Identity>, Refusal> {
         let Some(known) = self.known.read().unwrap_or_else(PoisonError::into_inner).clone() else {
             return Ok(self.everybody.clone());

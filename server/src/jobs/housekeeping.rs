@@ -78,7 +78,7 @@ fn keep(core: &Core) -> Keep {
 }
 
 impl Core {
-    /// Clears away now; gives how many jobs and blobs were removed.
+    /// Removes them now; returns the numbers of removed jobs and blobs.
     pub(crate) fn collect(&self) -> Result<(u64, u64), Refusal> {
         let jobs = remove_expired(self, &keep(self))?;
         let blobs = collect_blobs(self, Duration::from_secs(self.options.retention.blob_grace_s))?;

@@ -129,7 +129,7 @@ impl Live {
         self.state.subscribe()
     }
 
-    /// Changes the record, then tells those who wait.
+    /// Changes the record, then tells waiting channels.
     pub(crate) fn change(&self, change: impl FnOnce(&mut Record)) -> Record {
         let mut record = lock(&self.record);
         change(&mut record);

@@ -22,7 +22,7 @@ pub(crate) struct Desk {
     inner: Mutex<Inner>,
     /// For kernels: something was answered, or nothing will be.
     answered: Condvar,
-    /// For those who attend: counts changes.
+    /// For attending clients: counts changes.
     changes: watch::Sender<u64>,
 }
 

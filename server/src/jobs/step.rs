@@ -29,7 +29,7 @@ struct Inner {
     commands: VecDeque<Command>,
     /// To the client.
     client: Option<mpsc::UnboundedSender<Said>>,
-    /// Where the run stands, if it does.
+    /// Place where the run is paused, if it is.
     stop: Option<Said>,
     /// When the run came to a stand, or the last command came.
     since: Instant,
@@ -57,7 +57,7 @@ impl Stepping {
         inner.stop = None;
     }
 
-    /// A client comes; it learns where the run stands. `None`: there is another one.
+    /// A client comes; it learns where the run is. `None`: there is another one.
     pub(crate) fn come(&self) -> Option<mpsc::UnboundedReceiver<Said>> {
         let mut inner = lock(&self.inner);
         if inner.client.as_ref().is_some_and(|client| !client.is_closed()) {

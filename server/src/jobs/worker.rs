@@ -372,7 +372,7 @@ fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Re
     Ok((finished, stored))
 }
 
-/// Stores results that can be made again; gives their bytes. That may take long: when the run is to end meanwhile, it
+/// Stores results that can be made again; returns their bytes. That may take long: when the run is to end meanwhile, it
 /// continues by itself after the end of the job. Results that cannot be stored are made from the log when asked for.
 fn store_results(live: &Live, work: impl FnOnce() -> io::Result<u64> + Send + 'static) -> u64 {
     let (done, stored) = channel();

@@ -28,7 +28,7 @@ pub enum Step {
 
 /// Troubles of a disk, for tests.
 pub trait Faults: Send + Sync {
-    /// Called before each step. Of a write it gives the number of bytes that are written at most (a short write);
+    /// Called before each step. Of a write it returns the number of bytes that are written at most (a short write);
     /// otherwise the number does not matter.
     ///
     /// # Errors

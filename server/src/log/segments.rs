@@ -108,7 +108,7 @@ impl Packer<'_> {
     }
 }
 
-/// Writes the compressed form of a plain log that has ended; gives its bytes.
+/// Writes the compressed form of a plain log that has ended; returns its bytes.
 ///
 /// # Errors
 /// When the log cannot be read to its end or is damaged, or when the other file cannot be written.

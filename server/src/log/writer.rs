@@ -30,7 +30,7 @@ pub(crate) trait Place: Send + Debug {
     /// Whether anything has been written.
     fn used(&self) -> bool;
 
-    /// Brings a log that has ended into the form in which it stays; gives its bytes.
+    /// Brings a log that has ended into the form in which it stays; returns its bytes.
     fn pack(&mut self) -> io::Result<u64>;
 
     /// Makes it durable except for the names of its files.

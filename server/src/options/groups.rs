@@ -136,7 +136,7 @@ group! {
 }
 
 group! {
-    /// Who may call.
+    /// Permitted callers.
     Guard, GuardFlags {
         /// File of tokens, keys and certificates with their tenants and roles; empty = every caller may do everything
         access: PathBuf = PathBuf::new(), "COUNTERPOINT_ACCESS", "FILE.toml";

@@ -100,7 +100,7 @@ impl Faults for OneFault {
     }
 }
 
-/// Submits until the server accepts; gives the job.
+/// Submits until the server accepts; returns the job.
 async fn accepted(server: &Server, id: &str, script: &str) -> String {
     for _ in 0..1000 {
         if let Some(request) = submission(server, id, script).await
@@ -113,7 +113,7 @@ async fn accepted(server: &Server, id: &str, script: &str) -> String {
     panic!("{id} is not accepted");
 }
 
-/// Lives of jobs with the trouble at each step, up to the first life that it does not meet; gives how many it met.
+/// Lives of jobs with a fault at each step, up to the first life without it; returns the number of faults.
 async fn each(trouble: Trouble) -> usize {
     let folder = tempfile::tempdir().unwrap();
     let fault = Arc::new(OneFault { trouble, state: Mutex::default() });

@@ -221,7 +221,7 @@ async fn only_machines_that_an_administrator_has_put_there_may_start_commands() 
     }
 }
 
-/// Asks reflection of a version for the names of all services; gives the code of a refusal.
+/// Asks reflection of a version for the names of all services; returns the code of a refusal.
 macro_rules! services {
     ($version:ident, $connection:expr, $bearer:expr) => {{
         use tonic_reflection::pb::$version as pb;

@@ -51,7 +51,7 @@ impl Drop for Process {
     }
 }
 
-/// Starts a server; gives its address too.
+/// Starts a server; returns its address too.
 fn start(folder: &Path, permille: u64) -> (Process, String) {
     let mut child = Command::new(std::env::current_exe().unwrap())
         .args(["killed::serve", "--exact", "--ignored", "--nocapture"])

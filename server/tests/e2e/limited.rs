@@ -93,7 +93,7 @@ impl Callers {
         }
     }
 
-    /// Stops them; gives how many calls have passed and been refused.
+    /// Stops them; returns how many calls have passed and been refused.
     async fn stop(self) -> (usize, usize) {
         self.stop.store(true, Ordering::SeqCst);
         assert!(self.tasks.join_all().await.iter().all(Option::is_none));

@@ -53,7 +53,7 @@ mod collector {
     }
 
     impl Collector {
-        /// Serves; gives the address.
+        /// Serves; returns the address.
         pub async fn serve(&self) -> String {
             let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
             let address = listener.local_addr().unwrap();

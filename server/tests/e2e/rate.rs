@@ -97,7 +97,7 @@ impl Decoder for Raw {
     }
 }
 
-/// Watches an ended job on a connection of its own; gives the bytes that came.
+/// Watches an ended job on a connection of its own; returns the bytes that came.
 async fn watched(url: String, job: String) -> usize {
     let mut client = Grpc::new(Endpoint::from_shared(url).unwrap().connect().await.unwrap());
     client.ready().await.unwrap();

@@ -26,7 +26,7 @@ async fn two(options: Options) -> (Server, As, As) {
     (server, noisy, quiet)
 }
 
-/// Submits this many jobs at once; gives their identities in the order of acceptance.
+/// Submits this many jobs at once; returns their identities in the order of acceptance.
 async fn many(caller: &As, name: &str, script: &str, count: usize) -> Vec<String> {
     caller.upload(script.as_bytes()).await.unwrap();
     let mut calls = tokio::task::JoinSet::new();

@@ -63,7 +63,7 @@ async fn job(channel: &Channel) -> String {
     job
 }
 
-/// Reads a watch to its end; gives the number of the last event.
+/// Reads a watch to its end; returns the number of the last event.
 async fn last(mut stream: Streaming<v1::WatchJobResponse>) -> u64 {
     let mut last = 0;
     while let Some(message) = stream.message().await.unwrap() {

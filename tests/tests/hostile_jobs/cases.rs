@@ -29,7 +29,7 @@ pub struct Case {
     programs: Vec<String>,
     /// Other files of the job, without text.
     files: Vec<String>,
-    /// Who answers dialogs.
+    /// The operator who answers dialogs.
     operator: Option<Arc<dyn Operator>>,
     /// Its special options.
     options: fn(&mut Options),

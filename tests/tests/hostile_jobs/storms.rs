@@ -149,7 +149,7 @@ fn contour() -> String {
     text + "GOTO1\n"
 }
 
-/// A machine with codes that are single characters, many of them on a block.
+/// A machine with codes that are single characters, many of them in a block.
 fn texts_on_one_line() -> Case {
     let code = |text: &str, id: &str| format!("[[codes]]\nid = \"{id}\"\ntext = \"{text}\"\n");
     let toml = code("@", "CODE_POSITION_ABSOLUTE")

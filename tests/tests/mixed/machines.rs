@@ -12,7 +12,7 @@ use counterpoint_kernel::machine::{Machine, load};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Macros {
     None,
-    /// After each block they tell where the axes stand.
+    /// After each block they tell where the axes are.
     Shown,
     /// They change ends of moves, heights of cycles, tools, and start the program again.
     Meddling,

@@ -55,7 +55,7 @@ impl Seen {
                 if self.tip {
                     self.at = None;
                 } else if let Some(at) = &mut self.at {
-                    // The machine stands still.
+                    // The machine does not move.
                     for ((slot, old), new) in at.iter_mut().zip(self.shift).zip(**shift) {
                         *slot += old - new;
                     }
@@ -136,7 +136,7 @@ fn macros(cutter: bool) -> impl Strategy<Value = Macros> {
     })
 }
 
-/// A meeting is one microstep after its last arrival, and so is the move behind it, however long that waits.
+/// A meeting is one microstep after its last arrival, and so is the move after it, however long that waits.
 #[test]
 fn a_move_that_waits_behind_a_meeting_keeps_its_place() {
     let upper = "G98 F500\nT101\nG42 G1 X20.\nM100\nG1 Z-5.\nG4 P100\nX30.\nG40 X40.\nM30\n";

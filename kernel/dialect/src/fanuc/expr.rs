@@ -29,7 +29,7 @@ pub(super) enum Fault {
     TooBig(u32),
     #[error("variable #{0} cannot be written")]
     ReadOnly(u32),
-    /// The identification macro wants the text to stay on the block.
+    /// The identification macro wants the text to stay in the block.
     #[error("variable #{0} does not exist")]
     Kept(u32),
     /// The same for the text of a function.

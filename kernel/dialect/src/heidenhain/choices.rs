@@ -22,7 +22,7 @@ const DECIDED: usize = 20;
 pub(super) type Line = (Point, Point);
 
 impl Free {
-    /// FSELECT behind as many elements.
+    /// FSELECT after as many elements.
     pub(super) fn selected(&self, behind: usize) -> Option<(usize, u32)> {
         self.selects.iter().find(|(at, ..)| *at == behind).map(|(_, number, line)| (*number, *line))
     }
@@ -37,7 +37,7 @@ impl Free {
 }
 
 impl Walk<'_> {
-    /// The only solution, or the one that FSELECT behind the elements that it needs selects.
+    /// The only solution, or the one that FSELECT after the elements that it needs selects.
     pub(super) fn pick<T: Copy>(&mut self, found: &[T], behind: usize) -> Option<T> {
         if found.len() < 2 {
             return found.first().copied();
@@ -87,7 +87,7 @@ impl Walk<'_> {
         of_step(step, "DP").map_or_else(Vec::new, |apart| beside(at, apart.abs()))
     }
 
-    /// Lines that a step behind may be: through its end, beside a line or a point, each along its angle.
+    /// Lines that a step after it may be: through its end, beside a line or a point, each along its angle.
     pub(super) fn lines_behind(&self, step: &Step) -> Vec<Line> {
         if !matches!(step.shape, Shape::FreeLine { .. }) {
             return Vec::new();
@@ -153,7 +153,7 @@ impl Walk<'_> {
         (apart.abs() <= 1.0).then(|| along(along(center, way, -own * apart), left(way), -own * rest))
     }
 
-    /// The arc of a radius that follows, between the element and the one behind it, which is tangential or a line: its
+    /// The arc of a radius that follows, between the element and the one after it, which is tangential or a line: its
     /// radius and sense.
     fn arc_between(&self) -> Option<(f64, bool, &Step)> {
         let (arc, behind) = (self.ahead.first()?, self.ahead.get(1)?);
@@ -238,7 +238,7 @@ fn on_line((from, way): Line, point: Point, distance: f64) -> Option<Vec<f64>> {
     Some(if rest < 1e-6 { vec![foot] } else { vec![foot - rest, foot + rest] })
 }
 
-/// Angle of a tangential line behind an arc.
+/// Angle of a tangential line after an arc.
 pub(super) fn exit_angle(step: &Step) -> Option<f64> {
     let own = step.seen.iter().find(|word| word.is("AN")).and_then(|word| word.value);
     own.filter(|_| step.shape == Shape::FreeLine { tangent: true })

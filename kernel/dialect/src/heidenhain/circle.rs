@@ -102,7 +102,7 @@ impl Walk<'_> {
             }
         }
         let by_last = self.step.iso && self.path.mode == Some(5);
-        // An end that is not programmed is where the tool stands: a full circle.
+        // An end that is not programmed is where the tool is: a full circle.
         let full = shape == Shape::Arc && !self.step.iso && !self.coded().contains(&true);
         let rewritten = base.is_some() && self.has_increments() || own && self.keeps_center() || by_last || full;
         if !rewritten {

@@ -54,7 +54,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The element after the corner that follows, with the pole that may stand before it.
+    /// The element after the corner that follows, with the pole that may be before it.
     fn element_behind(&self, end: &Position) -> Option<Element> {
         let mut steps = self.ahead.iter().skip(1);
         let mut step = steps.next()?;

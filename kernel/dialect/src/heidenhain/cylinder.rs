@@ -161,7 +161,7 @@ fn on_way(way: &[Element]) -> Vec<Move> {
     way.iter().flat_map(|element| sampled(element, 0.0)).map(|(spot, _)| Move::To((spot, [0.0; 2]))).collect()
 }
 
-/// Half a circle from a spot beside a way onto it, or off it; the table stands.
+/// Half a circle from a spot beside a way onto it, or off it; the table does not move.
 fn half_circle(foot: Spot, heading: Spot, side: f64, [near, far]: [f64; 2], arrives: bool) -> Move {
     let (near, far) = (plus([0.0; 2], left(heading), side * near), plus([0.0; 2], left(heading), side * far));
     let center = plus(near, plus(far, near, -1.0), 0.5);
@@ -171,7 +171,7 @@ fn half_circle(foot: Spot, heading: Spot, side: f64, [near, far]: [f64; 2], arri
     Move::Arc(foot, Element { from, to, arc: by_center(from, to, center, clockwise).ok() })
 }
 
-/// Half a turn about the end of a way, from one side of it to the other; the table stands.
+/// Half a turn about the end of a way, from one side of it to the other; the table does not move.
 fn round_the_end(foot: Spot, heading: Spot, side: f64, amount: f64) -> Move {
     let from = plus([0.0; 2], left(heading), side * amount);
     let to = from.map(|part| -part);

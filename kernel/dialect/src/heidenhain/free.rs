@@ -3,7 +3,7 @@
 //! Facts: programming manuals of the control (FL, FLT, FC, FCT: end, length, angle, centre, radius, angle of the arc,
 //! direction of rotation; FPOL; CLSD; data relative to another block), reference heidenhain-cycles.md 1. Decisions:
 //! only elements that have one solution: at once, with the tangent of the element before, with auxiliary points, or
-//! with one or two elements behind it, and those of which FSELECT selects one. Invariant: an element that is not
+//! with one or two elements after it, and those of which FSELECT selects one. Invariant: an element that is not
 //! determined stops the program, as on the control.
 
 use super::choices::exit_angle;
@@ -217,13 +217,13 @@ impl Walk<'_> {
         Some([of_step(step, "CCX")?, of_step(step, "CCY")?])
     }
 
-    /// The end of a step behind, where its coordinates say it.
+    /// The end of a step after it, where its coordinates say it.
     pub(super) fn end_behind(&self, step: &Step) -> Option<Point> {
         let letters = self.path.plane.map(|axis| super::path::AXES.get(axis).copied().unwrap_or_default());
         Some([of_step(step, letters[0])?, of_step(step, letters[1])?])
     }
 
-    /// The end of a line that the elements behind determine.
+    /// The end of a line that the elements after it determine.
     fn line_end(&mut self, way: Option<Point>) -> Option<Point> {
         let start = self.flat(&self.start);
         let next = self.ahead.first()?;
@@ -263,7 +263,7 @@ impl Walk<'_> {
                         None => touch(start, center, of_step(next, "R")?.abs(), clockwise?),
                     };
                 }
-                // An arc of a radius leads to the line behind it.
+                // An arc of a radius leads to the line after it.
                 let lines = self.lines_behind(self.ahead.get(1)?);
                 let [(at, other)] = *lines else { return None };
                 let (radius, way, clockwise) = (of_step(next, "R")?.abs(), way?, clockwise?);
@@ -278,7 +278,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The end of an arc about a centre that the element behind determines.
+    /// The end of an arc about a centre that the element after it determines.
     fn arc_end(&mut self, center: Point, radius: f64, clockwise: bool) -> Option<Point> {
         let for_arc = self.leaves_for_arc((center, radius, clockwise));
         if !for_arc.is_empty() {
@@ -440,7 +440,7 @@ impl Walk<'_> {
         let chord = self.free("LEN").map(|chord| 2.0 * libm::asin(chord / (2.0 * radius)).to_degrees());
         let sweep = match end {
             Some(end) => Some(angle_between(angle, Polar::of(center, self.flat(&end)).angle, clockwise)),
-            // The direction of the line behind is square to the radius at the end.
+            // The direction of the line after it is square to the radius at the end.
             None => self.free("CCA").map(f64::abs).or(chord).or_else(|| {
                 let exit = self.ahead.first().and_then(exit_angle).filter(|_| begins.is_some());
                 let by_exit = exit.map(|exit| angle_between(angle, exit - turn, clockwise));

@@ -22,7 +22,7 @@ fn is_function(word: &Seen, number: f64) -> bool {
     word.is("M") && word.value == Some(number)
 }
 
-/// Takes the words behind a function that are its own.
+/// Takes the words after a function that are its own.
 fn behind(seen: &mut Vec<Seen>, at: usize, own: impl Fn(&Seen) -> bool) -> Vec<Seen> {
     let count = seen.iter().skip(at + 1).take_while(|word| own(word)).count();
     seen.drain(at + 1..at + 1 + count).collect()

@@ -92,7 +92,7 @@ impl Figure<'_> {
         Some([coordinate(first, before[0])?, coordinate(second, before[1])?])
     }
 
-    /// Its points; none for a figure that there is not, or that misses a word.
+    /// Its points; none for a figure that does not exist, or that misses a word.
     fn points(&self, letters: [&str; 2], before: Point) -> Option<Vec<Point>> {
         let start = self.start(letters, before)?;
         let circle = |step: f64, count: usize| {
@@ -219,7 +219,7 @@ impl Heidenhain {
         Ok(())
     }
 
-    /// CYCL CALL PAT: the blocks that lead to the next point, with the program of the cycle behind them; none where
+    /// CYCL CALL PAT: the blocks that lead to the next point, with the program of the cycle after them; none where
     /// there are no points or the block cannot run once more.
     pub(super) fn call_at_pattern(
         &mut self,

@@ -2,7 +2,7 @@
 //!
 //! Facts: Heidenhain pre-processor page (configurable options), reference functions.md 9. Decisions: blocks that end in
 //! `~` are joined unless CONCATENATE is switched off, definitions of cycles are in any case; parameters of a cycle stay
-//! on its block where a register of the machine takes them, until KEEPCYCLDEFQVARS says all or none. Invariant: a
+//! in its block where a register of the machine takes them, until KEEPCYCLDEFQVARS says all or none. Invariant: a
 //! setting that cannot be made changes nothing.
 
 use counterpoint_lang::value::Value;
@@ -15,7 +15,7 @@ use counterpoint_machine::stored::StoredFile;
 pub(super) struct Settings {
     /// Blocks that end in `~` continue in the next line.
     pub(super) joins: bool,
-    /// All parameters of a cycle stay on its block, or none; by default those that a register takes.
+    /// All parameters of a cycle stay in its block, or none; by default those that a register takes.
     pub(super) keeps: Option<bool>,
     /// Cycles that are subprograms of the machine.
     pub(super) cycles: Vec<u32>,

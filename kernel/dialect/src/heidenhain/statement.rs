@@ -201,7 +201,7 @@ pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
     })
 }
 
-/// The keyword of a path block: one letter has to stand alone.
+/// The keyword of a path block: one letter has to be alone.
 fn path_word(cursor: &mut Cursor<'_>, word: &str) -> bool {
     let mut ahead = cursor.clone();
     if !ahead.keyword(word) {

@@ -1,7 +1,7 @@
 //! The data of cycles along contours: levels, feeds, allowances, direction.
 //!
 //! Facts: programming manuals of the control (Q1 to Q9 of cycle 20, Q8 is a radius of the way of the tool; Q10 to Q19,
-//! Q208 of the cycles; the lines of the old cycles, which count from where the tool stands; cycles 271 to 274 and 277).
+//! Q208 of the cycles; the lines of the old cycles, which count from where the tool is; cycles 271 to 274 and 277).
 //! Decisions: the tool of 277 comes to a point.
 
 use super::Heidenhain;
@@ -25,7 +25,7 @@ pub(super) struct Task {
     /// How much of the radius of the tool rows lie apart.
     pub(super) overlap: f64,
     pub(super) climbs: bool,
-    /// Heights between rows, and before and behind the cycle.
+    /// Heights between rows, and before and after the cycle.
     pub(super) clear: f64,
     pub(super) safe: f64,
     pub(super) plunge: f64,

@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 use super::words::Seen;
 use crate::host::Host;
 
-/// Columns that there are.
+/// Existing columns.
 const COLUMNS: std::ops::RangeInclusive<u32> = 1..=48;
 
 pub(super) const LENGTH: u32 = 1;
@@ -61,7 +61,7 @@ impl Tools {
         self.table.get(&(row(tool), TEETH)).copied().unwrap_or(0.0)
     }
 
-    /// A value of the tool table; none for a column or tool that there is not.
+    /// A value of the tool table; none for a column or tool that does not exist.
     pub(super) fn column(&self, host: &dyn Host, tool: u32, column: u32) -> Option<f64> {
         if tool > LAST || !COLUMNS.contains(&column) {
             return None;

@@ -13,7 +13,7 @@ pub enum Answer {
     Drop,
     /// This text is evaluated instead.
     Instead(String),
-    /// The text remains on the block as it is.
+    /// The text remains in the block as it is.
     Keep,
 }
 

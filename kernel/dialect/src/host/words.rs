@@ -59,7 +59,7 @@ pub trait Words {
     /// The sequence number of the block.
     fn set_sequence(&mut self, number: u32);
 
-    /// Place of a program name in angle brackets on the block.
+    /// Place of a program name in angle brackets in the block.
     fn set_program_name(&mut self, span: (u32, u32));
 
     /// Adds a word to the block.
@@ -68,7 +68,7 @@ pub trait Words {
     /// Adds a literal text of the machine, by its row in the code table.
     fn push_text(&mut self, row: CodeRowId);
 
-    /// A part of the text remains on the block for the tables of the machine.
+    /// A part of the text remains in the block for the tables of the machine.
     fn keep_text(&mut self, span: (u32, u32));
 
     /// All words of the block are made: the trace shows them.

@@ -118,7 +118,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// A block in capitals, without comments: `( )`, which may stand inside each other, and `;` to the end.
+/// A block in capitals, without comments: `( )`, which may be inside each other, and `;` to the end.
 pub(super) fn plain(text: &[u8]) -> Vec<u8> {
     let mut plain = text.to_ascii_uppercase();
     let (mut depth, mut quoted) = (0_usize, false);

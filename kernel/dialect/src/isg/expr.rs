@@ -263,7 +263,7 @@ pub(super) fn is_value(cursor: &Cursor<'_>) -> bool {
     }
 }
 
-/// A function comes next; a blank may stand before its bracket.
+/// A function comes next; a blank may be before its bracket.
 pub(super) fn is_function(cursor: &Cursor<'_>) -> bool {
     let mut ahead = cursor.clone();
     let name = ahead.run(|byte| byte.is_ascii_alphabetic());

@@ -1,7 +1,7 @@
 //! A block, read once.
 //!
 //! Facts: reference channel-synchronisation.md 1.7. Decisions: `G04` may have its time without an address; a text that
-//! is neither word nor statement stays on the block for the tables of the machine. Invariant: items are in the order of
+//! is neither word nor statement stays in the block for the tables of the machine. Invariant: items are in the order of
 //! the text.
 
 use super::cursor::{Cursor, Mistake, plain};
@@ -170,7 +170,7 @@ fn word(cursor: &mut Cursor<'_>, letter: u8) -> Result<Option<Item>, Mistake> {
     ahead.at += 1;
     let close = ahead.here();
     if close != Some(b'=') && !is_value(&ahead) {
-        // A number may stand apart from its address.
+        // A number may be apart from its address.
         let blank = matches!(close, Some(b' ' | b'\t'));
         if !blank || !matches!(ahead.peek(), Some(b'0'..=b'9' | b'.' | b'-' | b'=')) && !is_function(&ahead) {
             return Ok(None);

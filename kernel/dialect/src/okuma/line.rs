@@ -52,7 +52,7 @@ pub(super) enum Statement {
     /// Nothing more.
     #[default]
     Nothing,
-    /// It continues with a line above it that there is not.
+    /// It continues with a line above it that does not exist.
     Continued,
     /// Go to a block, if something is true.
     Goto(Option<Expr>, Target),

@@ -62,7 +62,7 @@ pub(crate) struct Okuma {
     /// Texts of the alarms of the user, `VUACM[n]`.
     alarm_texts: FxHashMap<u32, String>,
     names: KnownNames,
-    /// Calls are executed; otherwise they stay on the block.
+    /// Calls are executed; otherwise they stay in the block.
     takes_calls: bool,
     /// Sequence names are taken off the block.
     takes_names: bool,

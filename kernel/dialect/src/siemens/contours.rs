@@ -189,7 +189,7 @@ impl Siemens {
     }
 
     /// Ways around the pocket and its islands at a distance, in the directions of G3 around the rim or, with a number
-    /// other than 0 behind the step of the cuts, of G2: rows of a table, each way behind a row of kind 0 with its
+    /// other than 0 after the step of the cuts, of G2: rows of a table, each way after a row of kind 0 with its
     /// beginning. -1 rows if the tool fits nowhere.
     fn ways(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
@@ -341,7 +341,7 @@ impl Siemens {
     }
 }
 
-/// Ways as rows of a table, each behind a row of kind 0 with its beginning.
+/// Ways as rows of a table, each after a row of kind 0 with its beginning.
 fn passes(ways: &[Vec<Element>]) -> Vec<[f64; COLUMNS]> {
     let begin = |way: &[Element]| way.first().map(|first| [0.0, first.from[0], first.from[1], 0.0, 0.0]);
     ways.iter().flat_map(|way| begin(way).into_iter().chain(way.iter().map(row))).collect()

@@ -165,7 +165,7 @@ pub(super) enum Label {
     Value(Expression),
 }
 
-/// Key words that stand alone.
+/// Key words that are alone.
 const STRUCTURES: [(&str, Structure); 7] = [
     ("ELSE", Structure::Else),
     ("ENDIF", Structure::EndIf),

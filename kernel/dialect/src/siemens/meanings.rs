@@ -179,7 +179,7 @@ fn to_points(host: &mut dyn Host, left: &mut Left, fixed: bool) -> Outcome<()> {
         let Some(axis) = axis_word(&axes, word).and_then(|(at, _)| axes.get(at)) else {
             return syntax(format!("{name} takes axes only, not {word}"));
         };
-        // The point before the axis goes to the reference point is where it stands.
+        // The point before the axis goes to the reference point is where it is.
         let here = if relative { 0.0 } else { axis.from };
         words.push_str(&format!(" {}{}", axis.letter, Data::Real(here).word()));
     }

@@ -6,7 +6,7 @@
 //! before and behind, 0 at the ends. Columns 2 to 10: the kind of move, start, end, the local maximum, the greatest
 //! angle to the axis of the cuts, the centre. Decisions: EXECUTE stands in the program of its CONTPRON; the blocks
 //! between them are read as a part of that program, as cycles read contours, so modal codes are those of before again;
-//! moves count as G90, and a G0 behind the first one as G1; pieces of relief cuts are counted, but not divided, and the
+//! moves count as G90, and a G0 after the first one as G1; pieces of relief cuts are counted, but not divided, and the
 //! marks of column 7 are left out with them. *Invariant:* a table that cannot hold the contour is an alarm before
 //! anything is written.
 

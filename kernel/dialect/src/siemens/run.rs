@@ -32,7 +32,7 @@ pub(super) struct Left {
     pub(super) moves: bool,
     /// Words of the direction of the tool that the machine's tables do not know.
     pub(super) aims: Option<Box<Aims>>,
-    /// G90 or G91 stands on the block.
+    /// G90 or G91 is in the block.
     pub(super) relative: Option<bool>,
     /// S of the block is a limit or a cutting speed.
     pub(super) speed_is_other: bool,
@@ -302,7 +302,7 @@ impl Siemens {
         }
     }
 
-    /// A macro has named another variable, or given the text that stands on the block.
+    /// A macro has named another variable, or given the text that is in the block.
     fn set_instead(&mut self, host: &mut dyn Host, text: &str, value: &Assigned, left: &mut Left) -> Outcome<()> {
         if let Ok(expression) = whole(text)
             && let Some(name) = as_name(&expression)

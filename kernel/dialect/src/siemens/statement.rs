@@ -117,7 +117,7 @@ pub(super) fn call(cursor: &mut Cursor<'_>, kind: &str) -> Result<Item, String> 
         return Ok(Item::CallText { name, section: Some(section), arguments: Vec::new() });
     }
     if kind == "PCALL" {
-        // The path may stand without quotation marks.
+        // The path may be without quotation marks.
         cursor.blanks();
         if !matches!(cursor.byte(0), b'"') {
             let from = cursor.at();

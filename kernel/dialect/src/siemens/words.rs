@@ -281,7 +281,7 @@ fn check_turn(host: &dyn Host, axis: Option<&AxisPlace>, way: Positioning, value
 /// Conversion of a position.
 enum Placed {
     Value(f64),
-    /// A distance from where the axis stands.
+    /// A distance from where the axis is.
     Step(f64),
     /// It stays as it is written.
     Text,

@@ -61,7 +61,7 @@ fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
     act.rapid_to(moving, target)
 }
 
-/// Back: to the programmed point, or to where the axes stood.
+/// Back: to the programmed point, or to where the axes were.
 pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
     let before = act.state.others.before_change.take();

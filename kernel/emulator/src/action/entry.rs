@@ -34,7 +34,7 @@ pub(crate) enum Contour {
     Waits,
     /// A command to the spindle: the move may wait longer, unless another channel can see the command.
     Commands,
-    /// The action goes without compensation, which begins again behind it.
+    /// The action goes without compensation, which begins again after it.
     Leaves,
     /// The move is finished.
     Ends,

@@ -49,7 +49,7 @@ pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
     Ok(())
 }
 
-/// The place where the axes stand gets the programmed values.
+/// The position of the axes gets the programmed values.
 pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
     if act.tilted().is_some() {
         let text = format!("a preset is not possible in a tilted plane, '{}' sets nothing", act.block_text());

@@ -221,7 +221,7 @@ fn filled(words: [Option<f64>; 3], missing: Point) -> Point {
     values
 }
 
-/// Takes a centre. A machine that has words for it means the place where the tool stands when the block has none.
+/// Takes a centre. A machine that has words for it means the place where the tool is when the block has none.
 fn center(act: &mut Act<'_, '_>, ids: [DataId; 3], part: Part, change: Change) -> Point {
     let here = act.seen_from_work(&act.contour());
     let stands = match act.state.place.frames.as_deref() {
@@ -250,7 +250,7 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let mirror = inside(Part::Mirror);
     let mut center = inside(Part::Scale).map_or(center, |scale| scale.point(center));
     if let Some(mirror) = mirror {
-        // The place where the tool stands is outside the mirror already.
+        // The position of the tool is outside the mirror already.
         let image = mirror.point(center);
         let own = center.iter_mut().zip(image).zip(named).filter(|(_, named)| !named);
         own.for_each(|((slot, image), _)| *slot = image);

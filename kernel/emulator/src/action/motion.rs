@@ -76,7 +76,7 @@ pub(super) fn linear_times(act: &mut Act<'_, '_>, factor: f64) -> Acted {
 }
 
 impl Act<'_, '_> {
-    /// Feed of the active mode: the word on the block, otherwise the remembered one.
+    /// Feed of the active mode: the word in the block, otherwise the remembered one.
     pub(super) fn feed(&mut self) -> (Option<f64>, FeedUnit) {
         let (id, unit) = feed_of(self.state.modal.code(group::FEED));
         match self.take(id) {

@@ -190,7 +190,7 @@ pub(super) fn part_round(made: &geometry::Arc, sweep: f64) -> f64 {
 }
 
 impl Act<'_, '_> {
-    /// A circle of the part from where the axes stand, which `circle.to` has gone round already.
+    /// A circle of the part from where the axes are, which `circle.to` has gone round already.
     #[cold]
     pub(super) fn circle_of_part(&mut self, polar: Polar, circle: &Circle) -> Acted {
         let Circle { made, coded, from, to, feed, unit, .. } = *circle;

@@ -55,7 +55,7 @@ impl Act<'_, '_> {
         axes[0].bit() | axes[1].bit()
     }
 
-    /// Goes on by the words of the block once more, from where the tool stands.
+    /// Goes on by the words of the block once more, from where the tool is.
     pub(super) fn polar_words_again(&self, target: &mut Position) {
         let words = self.state.place.frames.as_deref().and_then(|frames| frames.words);
         let words = words.filter(|words| words.radius.is_some() || words.angle.is_some());

@@ -203,7 +203,7 @@ impl Act<'_, '_> {
         (coded, target)
     }
 
-    /// The solution with the least turning that stays within the limits, near where the axes stand.
+    /// The solution with the least turning that stays within the limits, near where the axes are.
     pub(crate) fn shortest(&self, direction: Point) -> Option<Vec<(AxisSlot, f64)>> {
         let chain = self.chain();
         let rule = Rule { turns: Turns::Nearest, way: Way::Least, side: None, free: Free::Stays };

@@ -54,7 +54,7 @@ impl Act<'_, '_> {
             return word - away;
         }
         let angle = if turn == Turn::Sign { word.abs() } else { word };
-        // Ahead of where the axis stands: 0 up to 360.
+        // Ahead of where the axis is: 0 up to 360.
         let ahead = (angle - away - from).rem_euclid(360.0);
         // Rounding may leave a whole turn in place of none.
         let ahead = if (360.0 - ahead) < 1e-9 || ahead < 1e-9 { 0.0 } else { ahead };

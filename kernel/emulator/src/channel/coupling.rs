@@ -102,7 +102,7 @@ impl Kernel<'_> {
         self.hear(pair, meeting)
     }
 
-    /// Lets the other channel of a pair know where the own axis stands.
+    /// Lets the other channel of a pair know where the own axis is.
     pub(super) fn tell(&mut self, pair: &Pair, meeting: Meeting) -> Acted {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(()) };
         let stand = self.stand_of(pair, own);

@@ -69,13 +69,13 @@ impl Kernel<'_> {
         })
     }
 
-    /// A value of `id` is on the block.
+    /// A value of `id` is in the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
         let registers = self.plan.data.registers_of[id];
         self.channel.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
     }
 
-    /// One of the registers of `id` is on the block.
+    /// One of the registers of `id` is in the block.
     fn take_word(&mut self, id: DataId) -> Option<Datum> {
         let plan = self.plan;
         for source in plan.sources_of(id) {

@@ -116,7 +116,7 @@ pub(crate) struct Flow {
     pub(crate) code_macro: Option<Box<CodeMacro>>,
     /// Macros that blocks call without saying so.
     pub(crate) modal: ModalCalls,
-    /// The pre-processor of another control calls behind blocks that move.
+    /// The pre-processor of another control calls after blocks that move.
     pub(crate) modal_text: bool,
     pub(crate) pass: Passes,
     /// The program has jumped back or called, so a line may run again.

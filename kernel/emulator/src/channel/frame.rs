@@ -32,7 +32,7 @@ impl Kernel<'_> {
         stored
     }
 
-    /// Puts the sum of all offsets into force; the machine stands still.
+    /// Makes the sum of all offsets active; the machine does not move.
     pub(crate) fn reframe(&mut self) {
         let wanted = self.channel.wanted_shift();
         let turn = self.channel.offset_turn(self.channel.state.place.in_force.work_offset);

@@ -294,7 +294,7 @@ fn refused(machine: &Machine) -> Table<DataId, u128> {
 /// Group of the one-shot codes, which have none in the table of identifiers.
 const ONE_SHOT: u16 = 1000;
 
-/// Groups of rows whose codes exclude each other on a block: those of G words.
+/// Groups of rows whose codes exclude each other in a block: those of G words.
 fn exclusive(machine: &Machine, g: Option<RegisterId>) -> Option<Table<CodeRowId, u16>> {
     if !machine.habits.last_of_group {
         return None;

@@ -200,7 +200,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A motion code is written on the block.
+    /// A motion code is written in the block.
     fn moves_by_itself(&self) -> bool {
         self.group_queued(crate::state::modal::group::MOTION)
     }

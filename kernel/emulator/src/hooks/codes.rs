@@ -1,7 +1,7 @@
 //! Hooks around the codes of a block: code macros before built-in actions, data macros on every value taken.
 //!
 //! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs cannot be selected again; a code counts
-//! as acting (and modal) before its macro runs; codes that macros add act on this block, by their order.
+//! as acting (and modal) before its macro runs; codes that macros add act in this block, by their order.
 
 use counterpoint_lang::value::Value;
 use counterpoint_machine::ident::kind::data::DataKind;
@@ -98,12 +98,12 @@ impl Kernel<'_> {
         }
     }
 
-    /// A macro has put the position of an axis or the shape of an arc on the block.
+    /// A macro has put the position of an axis or the shape of an arc in the block.
     pub(crate) fn adds_motion(&self) -> bool {
         self.channel.block.added.iter().any(|(id, _)| matches!(id.kind(), DataKind::Axis(_) | DataKind::Arc))
     }
 
-    /// Data by which `$FCEDAC` fires the code of a group are on the block.
+    /// Data by which `$FCEDAC` fires the code of a group are in the block.
     pub(crate) fn has_calling_data(&self, group: u16) -> bool {
         let pairs = self.macros.modes.data_codes.as_slice();
         pairs.iter().any(|(id, of)| *of == group && self.has_data(*id))
@@ -125,7 +125,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// An identifier is on the block; the code that acts counts as present.
+    /// An identifier is in the block; the code that acts counts as present.
     fn is_present(&self, item: Item, fired: Option<CodeId>) -> bool {
         match item {
             Item::Code(id) => Some(id) == fired || self.has_code(id),

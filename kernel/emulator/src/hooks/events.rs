@@ -64,7 +64,7 @@ impl Kernel<'_> {
         }))
     }
 
-    /// `$P8`: axes coded on the block.
+    /// `$P8`: axes coded in the block.
     fn coded(&mut self, code: u16, motion: &Motion) -> Value {
         let runtime = &mut *self.macros;
         if !runtime.calls.uses(code, 8) {

@@ -1,7 +1,7 @@
 //! Comments and operator messages as codes, on a kernel with macros.
 //!
 //! Facts: reference control-emulator.md 5.4, 5.6: both act before everything else on their block (order 100). A
-//! pre-processor that works on the block takes them off, unless `$FCEPP` says otherwise; a message is shown all the
+//! pre-processor that works in the block takes them off, unless `$FCEPP` says otherwise; a message is shown all the
 //! same. Decision: they need no row of the code table, the delimiters of the machine's format are enough. Invariant:
 //! `$TPRINT` or `$DISPLY` holds the text before a macro of the code runs.
 

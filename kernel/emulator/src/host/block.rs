@@ -98,12 +98,12 @@ impl Kernel<'_> {
         }
     }
 
-    /// A code that acts now or will act is on the block.
+    /// A code that acts now or will act is in the block.
     pub(crate) fn has_code(&self, id: CodeId) -> bool {
         self.waiting_code(id).is_some()
     }
 
-    /// Data are on the block.
+    /// Data are in the block.
     pub(crate) fn has_data(&self, id: DataId) -> bool {
         let registers = self.plan.data.registers_of[id];
         self.channel.block.present & registers != 0

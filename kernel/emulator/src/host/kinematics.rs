@@ -35,7 +35,7 @@ fn halves([x, y, z, i, j, k]: Six) -> (Point, Point) {
 }
 
 impl Kernel<'_> {
-    /// Machine positions of `$XM` where the axes stand.
+    /// Machine positions of `$XM` where the axes are.
     fn machine_now(&self) -> Position {
         let mut at = self.channel.machine_point(&self.channel.state.place.position);
         for ((slot, shift), preset) in

@@ -58,7 +58,7 @@ struct Walk<'w, 'k> {
 
 /// The content of a block.
 enum Outline {
-    /// Plain words, which are on the block.
+    /// Plain words, which are in the block.
     Words,
     /// Steps.
     Steps(Vec<Step>),

@@ -188,7 +188,7 @@ impl Walk<'_, '_> {
         Ok(self.meets_in_program(file, range)?.map_or(Found::Nothing, |_| Found::Meets))
     }
 
-    /// Where the channel stands, to come back to.
+    /// Where the channel is, to come back to.
     pub(super) fn stand(&self) -> Stands {
         let kernel = &*self.kernel;
         let frame = kernel.flow.frames.last();
@@ -225,7 +225,7 @@ pub(super) enum Looked {
     At(u32),
 }
 
-/// Where a channel stands.
+/// Where a channel is.
 pub(super) struct Stands {
     file: FileId,
     line: u32,

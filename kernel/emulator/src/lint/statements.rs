@@ -86,7 +86,7 @@ impl Walk<'_, '_> {
         self.kernel.channel.at.line + u32::from(!more)
     }
 
-    /// Continues behind a part of the program that a condition passes, or that a loop repeats, at least at `end`.
+    /// Continues after a part of the program that a condition passes, or that a loop repeats, at least at `end`.
     fn pass_over(&mut self, part: Part, end: Spot, loops: bool) -> Acted {
         match self.look_through(part)? {
             Looked::Clear(grown) => {

@@ -66,7 +66,7 @@ impl Walk<'_, '_> {
         read
     }
 
-    /// Words that are on the block act.
+    /// Words that are in the block act.
     pub(super) fn words_of_block(&mut self, computed: &[String]) -> Acted {
         if let Some(name) = computed.iter().find(|name| self.decides(name)) {
             return Err(self.lost(&format!("the value of {name} is computed")));

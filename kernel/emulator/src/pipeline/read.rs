@@ -136,7 +136,7 @@ impl Kernel<'_> {
         self.dialect.interpreter.as_deref_mut().is_some_and(|interpreter| interpreter.executes(line))
     }
 
-    /// The block before a rewind-stop at the end of its line, where one may stand there.
+    /// The block before a rewind-stop at the end of its line, where one may be there.
     #[inline(always)]
     pub(crate) fn before_rewind_stop<'l>(&self, text: &'l [u8]) -> Option<&'l [u8]> {
         let format = &self.channel.env.machine.format;

@@ -77,7 +77,7 @@ fn looks_like_inches(text: &[u8], names: &[f64]) -> bool {
     fine >= FEWEST && fine * 2 >= coordinates
 }
 
-/// Letters with the numbers behind them, outside comments.
+/// Letters with the numbers after them, outside comments.
 fn words(line: &[u8]) -> impl Iterator<Item = (u8, &str)> {
     let mut rest = line;
     std::iter::from_fn(move || {

@@ -1,4 +1,4 @@
-//! Alarms of a channel, and their effect on a block.
+//! Alarms of a channel, and their effect in a block.
 
 use super::channel::Channel;
 use counterpoint_fault::Facts;
@@ -18,7 +18,7 @@ pub(crate) struct Alarms {
 /// Severity from which a diagnostic is an error.
 pub(crate) const ERROR: u8 = 8;
 
-/// The effect of an alarm on its block.
+/// The effect of an alarm in its block.
 pub(crate) const NOT_DONE: &str = "no part of the block acts";
 
 /// Replacement for a circle that cannot be made.
@@ -63,7 +63,7 @@ impl Channel<'_> {
         self.reports.alarms.stopping = true;
     }
 
-    /// Program Shutdown runs behind an alarm.
+    /// Program Shutdown runs after an alarm.
     pub(crate) fn clear_stop(&mut self) {
         self.reports.alarms.stopping = false;
     }

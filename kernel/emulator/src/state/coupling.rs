@@ -48,7 +48,7 @@ pub(crate) struct Coupling {
     pub(crate) slave: bool,
     /// Which of them stands still.
     pub(crate) parking: Parking,
-    /// Where the own axis stood when they were coupled, geometry units, machine frame.
+    /// Where the own axis was when they were coupled, geometry units, machine frame.
     pub(crate) stood: f64,
     /// Where the words of the channel started from; the same, unless it is the place of the other axis.
     pub(crate) from: f64,

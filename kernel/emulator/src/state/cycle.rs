@@ -47,7 +47,7 @@ pub(crate) struct Hole {
     pub(crate) depth: Option<f64>,
     /// Lower clearance of back boring.
     pub(crate) bottom: Option<f64>,
-    /// Start and depth of the webs behind the first one.
+    /// Start and depth of the webs after the first one.
     pub(crate) webs: [Option<[f64; 2]>; FURTHER_WEBS],
 }
 

@@ -110,7 +110,7 @@ pub(crate) struct Others {
     pub(crate) head: u32,
     /// Turning cycles.
     pub(crate) turning: turning::Turning,
-    /// Where the axes stood before they went to the change position.
+    /// Where the axes were before they went to the change position.
     pub(crate) before_change: Option<Position>,
     /// The last report about each tool.
     pub(crate) tools: FxHashMap<u32, ToolData>,

@@ -32,7 +32,7 @@ pub(crate) struct Modal {
     /// Active code of each group with its row, `None` = `CODE_NONE`. The machine may start with a code that it has no
     /// row of.
     groups: Vec<Option<(CodeId, Option<CodeRowId>)>>,
-    /// Groups whose active code fires again on blocks without a code of the group; `true` = on every block.
+    /// Groups whose active code fires again on blocks without a code of the group; `true` = in every block.
     pub(crate) refires: Vec<(u16, bool)>,
 }
 
@@ -63,7 +63,7 @@ impl Modal {
         }
     }
 
-    /// Makes a code active that fires again on every block.
+    /// Makes a code active that fires again in every block.
     pub(crate) fn activate_persistent(&mut self, group: u16, id: CodeId, row: Option<CodeRowId>) {
         self.activate(group, id, row);
         if group != 0 {

@@ -131,7 +131,7 @@ pub(crate) struct Tools {
     pub(crate) offsets_reported: bool,
 }
 
-/// Where the channel stands and how it moves.
+/// Where the channel is and how it moves.
 #[derive(Debug)]
 pub(crate) struct Place {
     /// Its axes.

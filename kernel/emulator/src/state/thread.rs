@@ -129,7 +129,7 @@ impl Threading {
         (self.depth, self.step, self.cuts) = (None, None, None);
     }
 
-    /// The kind that acts on a block.
+    /// The kind that acts in a block.
     pub(crate) fn acting(&self, block: u64) -> Option<ThreadCycle> {
         self.kind.filter(|_| self.block == block)
     }

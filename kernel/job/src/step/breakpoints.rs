@@ -29,7 +29,7 @@ impl Breakpoints {
         self.list.iter().map(|set| set.of.clone()).collect()
     }
 
-    /// Sets one; gives it with its number.
+    /// Sets one; returns it with its number.
     pub(super) fn add(
         &mut self,
         breakpoint: Breakpoint,

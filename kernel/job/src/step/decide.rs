@@ -11,7 +11,7 @@ use super::{Candidate, Channel, State};
 /// The request of the operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Goal {
-    /// The run stands.
+    /// The run is paused.
     Stand,
     /// To run until a breakpoint or the end.
     Free,
@@ -33,7 +33,7 @@ pub(super) enum Goal {
 pub(super) enum Decision {
     /// This kernel continues.
     Run(usize),
-    /// The run stands: the channel that is the cause (0 = none), and why.
+    /// The run is paused: the channel that is the cause (0 = none), and why.
     Stop(u16, String),
 }
 
@@ -120,7 +120,7 @@ impl State {
         if held.is_empty() { reason.to_owned() } else { format!("{reason}; on feed hold: {}", held.join(", ")) }
     }
 
-    /// Why the run stands before the block that a channel is to begin.
+    /// Why the run is paused before the block that a channel is to begin.
     fn before(&mut self, number: u16, info: &Info) -> Option<String> {
         let channel = self.channels.iter_mut().find(|channel| channel.number == number)?;
         if !channel.at_block {

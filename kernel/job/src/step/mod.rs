@@ -110,13 +110,13 @@ impl<'a> Director<'a> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where a channel stands in the eyes of the job.
+    /// Where a channel is in the eyes of the job.
     fn doing(&self, channel: u16) -> Doing {
         let index = self.info.channel_index(channel);
         index.and_then(|index| self.control.progress().get(index)).map_or(Doing::NotStarted, |now| now.state())
     }
 
-    /// The kernel that continues; waits while the run stands. `None`: none has anything to do.
+    /// The kernel that continues; waits while the run is paused. `None`: none has anything to do.
     pub(crate) fn next(&self, kernels: &[Candidate], common: &mut Common<'_>) -> Option<usize> {
         loop {
             let mut state = self.lock();

@@ -8,7 +8,7 @@ use counterpoint_ports::step::{ChannelReport, Common, Report};
 use super::{Channel, Director, State};
 
 impl Director<'_> {
-    /// Where everything is, and why the run stands.
+    /// Where everything is, and why the run is paused.
     pub(super) fn report(&self, state: &State, (channel, reason): (u16, &str), common: &mut Common<'_>) -> Report {
         Report {
             reason: reason.to_owned(),

@@ -1,6 +1,6 @@
 //! Small functions that are executed in registers of their callers.
 //!
-//! *Invariant:* a body changes nothing but registers that only bodies use until its last form gives the result, so it
+//! *Invariant:* a body changes nothing but registers that only bodies use until its last form returns the result, so it
 //! can be abandoned at any form, and the call itself is executed instead.
 
 use super::fast::{Fast, Near};

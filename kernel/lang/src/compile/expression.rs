@@ -369,7 +369,7 @@ impl MacroCompiler<'_> {
         (to, result)
     }
 
-    /// Checks the types of two operands; gives the type of the result.
+    /// Checks the types of two operands; returns the type of the result.
     pub(super) fn operands(
         &mut self,
         sign: Sign,

@@ -67,7 +67,7 @@ fn compare(a: &str, b: &str, delimiters: Option<&str>, keys: &[Key]) -> Ordering
     })
 }
 
-/// Sorts the lines of one file into another one; gives their number.
+/// Sorts the lines of one file into another one; returns their number.
 pub(super) fn file(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let [input, output, rest @ ..] = arguments else {
         return Err(Fault::kind("a sequence, or two file names", arguments.first().unwrap_or(&Value::Unset)));

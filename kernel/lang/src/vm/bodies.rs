@@ -59,7 +59,7 @@ fn copy(window: &mut Window, to: Near, from: Near) {
     }
 }
 
-/// Gives the result of a body to its caller; false if it is not of its type.
+/// Returns the result of a body to its caller; false if it is not of its type.
 #[inline(always)]
 pub(super) fn give(window: &mut Window, running: &Running<'_>) -> bool {
     match window.get(usize::from(running.body.result)) {

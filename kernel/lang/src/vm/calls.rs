@@ -107,7 +107,7 @@ pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value
     }
 }
 
-/// Gives the result of a function to its caller.
+/// Returns the result of a function to its caller.
 #[inline]
 pub(super) fn give(code: &Code, frame: &[Value], caller: &mut [Value], to: Slot) {
     let Some((result, _)) = code.signature.result else { return run::set(caller, to, Value::Null) };

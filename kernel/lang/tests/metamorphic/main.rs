@@ -168,7 +168,7 @@ fn tree(chance: &mut Chance, kind: &'static str, depth: usize) -> Tree {
     Tree::Leaf(chance.of(&values_of(kind)))
 }
 
-/// The tree as statements that compute one operator each into a declared variable; gives the name of the last one.
+/// The tree as statements that compute one operator each into a declared variable; returns the name of the last one.
 fn steps(tree: &Tree, lines: &mut String, number: &mut usize) -> String {
     let text = match tree {
         Tree::Leaf(value) => value.written(),

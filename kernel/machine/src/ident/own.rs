@@ -2,7 +2,7 @@
 //!
 //! Invariant: they come after all others, in the order in which they were added, each with its meaning.
 
-/// Hands rows to a list, with the own ones behind them.
+/// Hands rows to a list, with the own ones after them.
 macro_rules! with_own {
     ($list:ident { $($rows:tt)* }) => {
         $list! {

@@ -105,7 +105,7 @@ impl Compiler<'_, '_> {
         }
     }
 
-    /// Compiles a file; gives its macros without a header.
+    /// Compiles a file; returns its macros without a header.
     fn add(&mut self, file: &str, place: &Place, kind: Kind, given: Available) -> Option<Vec<u16>> {
         let check = self.names.check;
         let Some(path) = beside(&place.file, file) else {

@@ -1,4 +1,4 @@
-//! Conditions on a block for a code or data macro to run.
+//! Conditions in a block for a code or data macro to run.
 //!
 //! Invariant: a condition is compiled once; testing it allocates nothing. Facts: reference control-emulator.md 4.2: a
 //! list of which any one fires, lists that must and must not be present, or a hand-written condition in which AND binds
@@ -6,7 +6,7 @@
 
 use crate::ident::{CodeId, DataId};
 
-/// An identifier that may be on a block.
+/// An identifier that may be in a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Item {
     /// A code.
@@ -18,7 +18,7 @@ pub enum Item {
 /// Step of a hand-written condition, in postfix order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// The identifier is on the block.
+    /// The identifier is in the block.
     Present(Item),
     /// Both of the last two hold.
     And,
@@ -29,9 +29,9 @@ pub enum Step {
 /// Conditions besides the triggering identifier.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Condition {
-    /// All of these are on the block.
+    /// All of these are in the block.
     pub present: Vec<Item>,
-    /// None of these is on the block.
+    /// None of these is in the block.
     pub absent: Vec<Item>,
     /// Hand-written condition, empty for none.
     pub steps: Vec<Step>,
@@ -47,7 +47,7 @@ impl Condition {
         self.present.is_empty() && self.absent.is_empty() && self.steps.is_empty()
     }
 
-    /// Tests it on a block.
+    /// Tests it in a block.
     pub fn holds(&self, mut on_block: impl FnMut(Item) -> bool) -> bool {
         self.present.iter().all(|&item| on_block(item))
             && !self.absent.iter().any(|&item| on_block(item))

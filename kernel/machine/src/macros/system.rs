@@ -13,7 +13,7 @@ use counterpoint_lang::value::{Kind, Value};
 
 use super::pattern::expand;
 
-/// Who may write a variable.
+/// Access of programs to a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
     /// Not assignable.
@@ -33,7 +33,7 @@ pub struct Variable {
     pub kind: Option<Kind>,
     /// Largest value of each index, none without a limit; empty for a single value.
     pub indices: Vec<Option<u32>>,
-    /// Who may write it.
+    /// Access of programs to it.
     pub access: Access,
     /// Its owner.
     pub category: &'static str,

@@ -113,7 +113,7 @@ pub enum CallHow {
     Macro,
     /// A subprogram, after the other words of the block have acted (M98).
     Subprogram,
-    /// A macro behind every block that moves (G66).
+    /// A macro after every block that moves (G66).
     Moves,
     /// A macro with the words of every block (G66.1).
     Blocks,
@@ -249,7 +249,7 @@ pub struct Cycles {
     pub clearance: Heights,
     /// How depths are read.
     pub depth: Heights,
-    /// A cycle without its clearance height is diagnosed; otherwise it starts where it stands.
+    /// A cycle without its clearance height is diagnosed; otherwise it starts where it is.
     pub clearance_required: bool,
     /// A deep or chip-breaking cycle without a step is a mistake, not a plain cycle.
     pub step_required: bool,

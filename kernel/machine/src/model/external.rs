@@ -2,7 +2,7 @@
 //!
 //! Facts: reference channel-synchronisation.md 1.7.
 
-/// The variables that there are.
+/// The existing variables.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Externals {
     /// Those that are described.

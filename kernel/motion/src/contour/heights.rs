@@ -45,7 +45,7 @@ mod tests {
     fn spots_are_as_high_as_what_they_lie_beside() {
         let contour = [line([0.0, 0.0], [10.0, 0.0]), line([10.0, 0.0], [10.0, 10.0])];
         let high = [(contour[0], [0.0, -5.0]), (contour[1], [-6.0, -8.0])];
-        // Inside, the way ends 2 before the corner; then it begins 2 behind it.
+        // Inside, the way ends 2 before the corner; then it begins 2 after it.
         let inside = rounded(&contour, 1.0, 2.0).unwrap();
         assert_eq!(heights(&inside, (1.0, 2.0), &high), Some(vec![[0.0, -4.0], [-6.4, -8.0]]));
         // Outside, the arc around the corner is as high as the end of the first element.

@@ -18,7 +18,7 @@ const EQUAL: f64 = 1e-6;
 /// A rotary axis as it stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stand {
-    /// Where it stands.
+    /// Where it is.
     pub at: f64,
     /// Its travel, if that ends.
     pub travel: Option<(f64, f64)>,
@@ -27,7 +27,7 @@ pub struct Stand {
 /// Which of the angles that differ by whole turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Turns {
-    /// The one next to where the axis stands.
+    /// The one next to where the axis is.
     Nearest,
     /// The one of half a turn to either side of zero.
     Half,

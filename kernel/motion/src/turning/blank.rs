@@ -1,9 +1,9 @@
 //! The shape of a blank: where levels have material, and how the tool goes between.
 //!
 //! Facts: programming manual of the control, LAP4: the tool cuts from the clearance before the blank to the clearance
-//! behind it, and goes at rapid where there is none. Decisions: nothing lies before the first point of the shape;
-//! behind its last one there is material, so that the tool does not go there at rapid. *Invariant:* stretches of a
-//! level are in order and do not touch.
+//! after it, and goes at rapid where there is none. Decisions: nothing lies before the first point of the shape; behind
+//! its last one there is material, so that the tool does not go there at rapid. *Invariant:* stretches of a level are
+//! in order and do not touch.
 
 use super::NOISE;
 use super::parts::Parts;

@@ -28,7 +28,7 @@ pub struct Question<'a> {
     pub problem: Option<&'a str>,
 }
 
-/// Who answers dialogs.
+/// The operator who answers dialogs.
 pub trait Operator: Send + Sync {
     /// Puts a question and waits for the answer; `None` if no operator will answer, or the job is cancelled.
     fn ask(&self, question: &Question<'_>) -> Option<Answer>;

@@ -38,7 +38,7 @@ const STEPS: [i64; EXACT_DIGITS + 1] = [
 /// Digits whose value is exact in `i64` and `f64`.
 const EXACT_DIGITS: usize = 15;
 
-/// Appends the digits at the start of a text to a number; gives it with the rest of the text.
+/// Appends the digits at the start of a text to a number; returns it with the rest of the text.
 #[inline(always)]
 fn leading_digits(mut number: i64, mut text: &[u8]) -> (i64, &[u8]) {
     while let [byte, rest @ ..] = text {

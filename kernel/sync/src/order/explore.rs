@@ -404,7 +404,7 @@ impl World {
     }
 }
 
-/// Tries out all schedules; gives the outcomes and how many states there are.
+/// Tries out all schedules; returns the outcomes and how many states there are.
 fn explore(scripts: &[&[Op]]) -> (BTreeSet<String>, usize) {
     let (mut seen, mut outcomes) = (HashSet::new(), BTreeSet::new());
     let mut open = vec![World::new(scripts)];

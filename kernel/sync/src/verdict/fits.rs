@@ -1,7 +1,7 @@
 //! The nearest code that would end a wait: the place where a partner has the same mark, or waits at a similar one.
 //!
 //! Facts: reference channel-synchronisation.md 2.3. Decision: only the text of the partner's own program is looked at,
-//! at most [`MOST`] lines after and before the block where it stands; a mark in a comment is none. *Invariant:* a hint
+//! at most [`MOST`] lines after and before the block where it is; a mark in a comment is none. *Invariant:* a hint
 //! changes nothing.
 
 use counterpoint_event::event::{FileId, Primitive};

@@ -84,7 +84,7 @@ fn carry_out(waits: &mut Waits, channel: u16, t: i64, step: Step) -> bool {
     }
 }
 
-/// Channels that some sequence of steps gets past the waits where they stand now.
+/// Channels that some sequence of steps gets past the waits where they are now.
 fn released_by_search(from: &Waits, steps: &[Step]) -> Set {
     const DEEPEST: usize = 5;
     let standing: Set = from.places.waiting().map(|waiting| waiting.tag.channel).collect();

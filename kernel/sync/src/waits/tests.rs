@@ -40,7 +40,7 @@ fn counting_absent(channels: u16) -> Waits {
     Waits::new(Channels::new(1..=channels), rule(Absent::Counts), 0)
 }
 
-/// Who continues by an arrival, as groups, and when.
+/// Channels that continue by an arrival, as groups, and when.
 fn continue_by(waits: &mut Waits, waiting: Waiting) -> Vec<(Vec<u16>, i64)> {
     let Arrived { arrival, others, .. } = waits.arrive(waiting);
     let own = match arrival {

@@ -207,7 +207,7 @@ impl Bench {
         self.ledger.as_ref().expect("it is open")
     }
 
-    /// Does an operation; gives the record that a submit was answered with.
+    /// Does an operation; returns the record that a submit was answered with.
     fn apply(&self, operation: Operation) -> Result<Option<Record>, Refusal> {
         let ledger = self.ledger();
         let run = &self.runtime;
@@ -297,7 +297,7 @@ impl Bench {
     }
 }
 
-/// Random operations with crashes; gives how many operations were in doubt.
+/// Random operations with crashes; returns how many operations were in doubt.
 fn drive(seed: u64, steps: usize) -> usize {
     let folder = tempfile::tempdir().unwrap();
     let power = Arc::new(Power(AtomicI64::new(-1)));

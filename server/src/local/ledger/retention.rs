@@ -17,7 +17,7 @@ pub(super) const ENDED: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDef
 /// The same without tenants, as ledgers before schema 7 have it.
 const EARLIER: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
 
-/// Lists a job that has ended; gives the bytes that it was listed with before.
+/// Lists a job that has ended; returns the bytes that it was listed with before.
 pub(super) fn list(txn: &WriteTransaction, record: &Record) -> Result<Option<u64>, Refusal> {
     let mut table = txn.open_table(ENDED).map_err(storage)?;
     let key = (record.ended_ms, record.id.as_str());
@@ -25,7 +25,7 @@ pub(super) fn list(txn: &WriteTransaction, record: &Record) -> Result<Option<u64
     Ok(before.map(|row| row.value().0))
 }
 
-/// Takes a job out of the list; gives its bytes.
+/// Takes a job out of the list; returns its bytes.
 pub(super) fn unlist(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<u64, Refusal> {
     let mut table = txn.open_table(ENDED).map_err(storage)?;
     let before = table.remove((ended_ms, id)).map_err(storage)?;

@@ -155,7 +155,7 @@ pub(super) fn write(shared: &Shared, mut queue: mpsc::Receiver<Operation>) {
     }
 }
 
-/// Adds an operation to a group; gives whether it may wait for others.
+/// Adds an operation to a group; returns whether it may wait for others.
 fn add(group: &mut Vec<Operation>, operation: Operation, paces: &mut Paces) -> bool {
     let tenant = operation.tenant;
     paces.came(tenant, Instant::now());

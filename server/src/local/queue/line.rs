@@ -14,7 +14,7 @@ const AGEING: Duration = Duration::from_secs(60);
 /// Most that a tenant can owe: so much time of workers goes to others before it gets a turn again.
 const MOST_OWED: i64 = 60_000_000;
 
-/// Where a job stands in a line.
+/// Where a job is in a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Spot {
     pub(super) class: usize,

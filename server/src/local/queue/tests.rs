@@ -104,7 +104,7 @@ fn urgent_jobs_go_first_and_patience_is_rewarded() {
     assert_eq!(queue.next(9, later).unwrap(), "new");
 }
 
-/// Runs jobs one after the other, each for its time; gives their order.
+/// Runs jobs one after the other, each for its time; returns their order.
 fn run_all(queue: &mut LocalQueue, mut now: Instant, time: impl Fn(&str) -> Duration) -> Vec<String> {
     let mut order = Vec::new();
     while let Some(id) = queue.next(1, now) {

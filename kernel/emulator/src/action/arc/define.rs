@@ -1,7 +1,7 @@
 //! Codes that define circles for other blocks: centre, radius, direction.
 //!
 //! Facts: reference control-emulator.md 6.1 (definition form as a code, direction as a separate code). Decisions: a
-//! defined centre is a point and stays until another definition; a code of circles without a direction looks for one on
+//! defined centre is a point and stays until another definition; a code of circles without a direction looks for one in
 //! its block, then takes the last one.
 
 use crate::act::Act;
@@ -14,7 +14,7 @@ use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::model::Heights;
 
-/// Direction of a circle: that of its code, of another code on the block, or the last one.
+/// Direction of a circle: that of its code, of another code in the block, or the last one.
 pub(super) fn direction(act: &mut Act<'_, '_>, form: Form) -> Option<bool> {
     let machine = act.env.machine;
     let on_block = || {

@@ -21,7 +21,7 @@ const LONG: f64 = 100_000.0;
 /// Sine of the angle below which the wall and the last move count as parallel: they do not meet.
 const PARALLEL: f64 = 1e-3;
 
-/// Ends the move that waits at the wall whose direction is on the block.
+/// Ends the move that waits at the wall whose direction is in the block.
 pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
     if !act.env.machine.compensation.wall || act.polar().is_some() {
         return Ok(());

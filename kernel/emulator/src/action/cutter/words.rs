@@ -12,7 +12,7 @@ use crate::act::Act;
 use crate::state::corner::{Asked, Corner, Side};
 use crate::state::modal::group;
 
-/// A move has words of corners or angles on its block.
+/// A move has words of corners or angles in its block.
 #[inline(always)]
 pub(in crate::action) fn has_words(act: &Act<'_, '_>, code: CodeId) -> bool {
     let registers = act.contour_registers();
@@ -126,7 +126,7 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
     asked
 }
 
-/// Distance from the pole and angle, of which the one that is not on the block is that of the last one.
+/// Distance from the pole and angle, of which the one that is not in the block is that of the last one.
 pub(in crate::action) fn polar(act: &mut Act<'_, '_>) -> Option<[f64; 2]> {
     let ids = [data::POLE_RADIUS, data::POLE_ANGLE];
     let own = ids.map(|id| act.take(id).map(|datum| datum.value));

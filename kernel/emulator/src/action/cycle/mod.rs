@@ -49,7 +49,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
         not_cancelled(act);
     }
     if kind.bores_back() && act.state.cycle.code != Some(row.id) {
-        // Its clearance is the level where it stands unless it says so itself.
+        // Its clearance is the level where it is unless it says so itself.
         act.state.cycle.heights.clear = None;
     }
     let level = act.cycle_level(axis);
@@ -115,7 +115,7 @@ pub(super) fn rigid(act: &mut Act<'_, '_>, on: bool) -> Acted {
     super::mode::mode(act, if on { "rigid tapping on" } else { "rigid tapping off" })
 }
 
-/// A motion code of the program while a cycle is in effect. One that stands on the block of the cycle, or that a macro
+/// A motion code of the program while a cycle is in effect. One that is in the block of the cycle, or that a macro
 /// gives, belongs to the cycle.
 #[cold]
 pub(super) fn meets_motion(act: &mut Act<'_, '_>) -> Acted {
@@ -141,7 +141,7 @@ fn not_cancelled(act: &mut Act<'_, '_>) {
     act.diagnose(&diag::CYCLE_NOT_CANCELLED, text);
 }
 
-/// Words of a position or a height are free on the block.
+/// Words of a position or a height are free in the block.
 fn has_position(act: &Act<'_, '_>) -> bool {
     act.has_motion_word() || !act.block.added.is_empty()
 }

@@ -270,7 +270,7 @@ fn shifts(act: &mut Act<'_, '_>) {
     }
 }
 
-/// How often the cycle is executed on this block; 0 only stores its values.
+/// How often the cycle is executed in this block; 0 only stores its values.
 fn times(act: &mut Act<'_, '_>) -> u32 {
     act.take(data::CYCLE_REPEAT).map_or(1, |datum| datum.value.clamp(0.0, MOST_TIMES) as u32)
 }

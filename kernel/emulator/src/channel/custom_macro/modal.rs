@@ -137,7 +137,7 @@ impl Kernel<'_> {
         self.modal_call().is_some_and(|call| call.each) && !self.channel.block.words.is_empty()
     }
 
-    /// Calls behind a block that has moved.
+    /// Calls after a block that has moved.
     #[cold]
     pub(crate) fn call_modally(&mut self) {
         if !self.channel.block.flags.moved {

@@ -40,7 +40,7 @@ fn set_count<const CLASS: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Val
     })
 }
 
-/// The block before or behind the current one.
+/// The block before or after the current one.
 fn neighbour(kernel: &Kernel<'_>, behind: bool) -> Value {
     Value::text(kernel.neighbour(behind).unwrap_or_default())
 }

@@ -56,7 +56,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     Some(row)
 }
 
-/// `$THTYPE`: the cycle whose code is active, otherwise the one that acted on this block.
+/// `$THTYPE`: the cycle whose code is active, otherwise the one that acted in this block.
 fn kind(kernel: &Kernel<'_>) -> f64 {
     let active = [group::MOTION, group::CYCLE].into_iter().filter_map(|group| kernel.channel.state.modal.code(group));
     let active = active.map(CodeId::kind).find_map(|kind| match kind {

@@ -232,7 +232,7 @@ impl Channel<'_> {
         self.state.place.frames.as_deref().is_some_and(Frames::couples)
     }
 
-    /// The programmed point where the channel stands.
+    /// The programmed point where the channel is.
     #[inline(always)]
     pub(crate) fn programmed(&self) -> Position {
         match &self.state.place.frames {
@@ -364,7 +364,7 @@ impl Channel<'_> {
         work
     }
 
-    /// The same, with the axes that stay exactly where they stand.
+    /// The same, with the axes that stay exactly where they are.
     pub(crate) fn way_of_machine(&self, machine: &Position) -> Position {
         let mut work = self.point_of_machine(machine);
         for (slot, stands) in work.iter_mut().zip(&self.state.place.position) {

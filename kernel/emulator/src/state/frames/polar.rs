@@ -79,7 +79,7 @@ pub(crate) fn round_the_centre(points: impl Iterator<Item = [f64; 2]>) -> f64 {
 }
 
 impl Polar {
-    /// Interpolation on the face that begins where the axes stand.
+    /// Interpolation on the face that begins where the axes are.
     pub(crate) fn new(place: &Place, linear: AxisSlot, rotary: AxisSlot, cartesian: bool) -> Self {
         let at = |of: &Position, axis: AxisSlot| of.at(axis);
         let zero = at(&place.position, rotary) + at(&place.shift, rotary);
@@ -138,7 +138,7 @@ impl Polar {
     }
 
     /// Puts the axes to a point of the part. `round`: degrees of the way around the centre of a face from where they
-    /// stand.
+    /// are.
     pub(crate) fn reach(&self, place: &Place, real: &mut Position, to: [f64; 2], round: f64) {
         let stands = place.position.at(self.rotary);
         match self.shape {
@@ -163,7 +163,7 @@ impl Polar {
         }
     }
 
-    /// Puts the axes to a point of the part, straight from where they stand.
+    /// Puts the axes to a point of the part, straight from where they are.
     pub(crate) fn reach_straight(&self, place: &Place, real: &mut Position, to: [f64; 2]) {
         let round = if self.is_cylinder() { 0.0 } else { between(self.part(place, &place.position), to) };
         self.reach(place, real, to, round);
@@ -220,7 +220,7 @@ impl Channel<'_> {
     #[cold]
     fn part_changes(&self, mut changes: Position, from: &Position, to: &Position) -> Position {
         if self.tip().is_some() {
-            // The feed is that of the tip; where it stands, that of the rotary axes.
+            // The feed is that of the tip; where the tip does not move, that of the rotary axes.
             let linear =
                 changes.iter().zip(&self.state.place.layout.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
             for (slot, _) in

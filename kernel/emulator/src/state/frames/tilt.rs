@@ -141,7 +141,7 @@ impl Channel<'_> {
         }
     }
 
-    /// Makes a plane the active one; `false` if it has no way back. The machine stands still.
+    /// Makes a plane the active one; `false` if it has no way back. The machine does not move.
     pub(crate) fn tilt(&mut self, map: Affine, angles: Option<Turned>) -> bool {
         let Some(back) = map.inverse() else { return false };
         let outer = match self.state.place.frames.as_deref() {
@@ -156,7 +156,7 @@ impl Channel<'_> {
         true
     }
 
-    /// Ends the plane; `false` if there was none. The machine stands still.
+    /// Ends the plane; `false` if there was none. The machine does not move.
     pub(crate) fn end_tilt(&mut self) -> bool {
         let keeps = self.env.machine.kinematics.tilting.keeps_local;
         let Some(frames) = self.state.place.frames.as_deref_mut() else { return false };

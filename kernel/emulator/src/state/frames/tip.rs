@@ -139,7 +139,7 @@ impl Channel<'_> {
         self.chain().is_possible() && !self.state.place.has_axes().contains(&false)
     }
 
-    /// Switches it on; `false` if the channel has no axes for it. The machine stands still.
+    /// Switches it on; `false` if the channel has no axes for it. The machine does not move.
     pub(crate) fn start_tip(&mut self, with_length: bool) -> bool {
         if !self.can_tilt() {
             return false;
@@ -162,7 +162,7 @@ impl Channel<'_> {
         self.keep_levels(levels);
     }
 
-    /// Switches it off; `false` if it was. The machine stands still.
+    /// Switches it off; `false` if it was. The machine does not move.
     pub(crate) fn end_tip(&mut self) -> bool {
         if self.tip().is_none() {
             return false;
@@ -202,7 +202,7 @@ impl Channel<'_> {
         frames.direction_back(direction).and_then(unit).unwrap_or(direction)
     }
 
-    /// Puts the angles of a solution next to where the axes stand, in the work frame.
+    /// Puts the angles of a solution next to where the axes are, in the work frame.
     pub(crate) fn near(&self, solution: &Angles<AxisSlot>) -> Angles<AxisSlot> {
         let near = |(axis, angle): &(AxisSlot, Option<f64>)| {
             let stands = at(&self.state.place.position, *axis);

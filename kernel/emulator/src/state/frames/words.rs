@@ -1,7 +1,7 @@
 //! Words of the plane that are a radius and an angle (polar coordinate command).
 //!
 //! *Invariant:* nothing is remembered but the words of the last block, for holes that repeat it: a word that is missing
-//! is that of the place where the tool stands. Decisions: docs/emulation.md, "Polar coordinate command".
+//! is that of the place where the tool is. Decisions: docs/emulation.md, "Polar coordinate command".
 
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::contour::element::{direction, plus};
@@ -22,7 +22,7 @@ pub(crate) struct PolarWords {
 }
 
 impl PolarWords {
-    /// Puts the point of the words into a target. A radius that is a distance counts from where the tool stands, every
+    /// Puts the point of the words into a target. A radius that is a distance counts from where the tool is, every
     /// other one from the zero of the program; an angle that is a distance counts from the direction in which the tool
     /// stands as seen from there.
     pub(crate) fn put(self, place: &Place, axes: [AxisSlot; 2], from: &Position, target: &mut Position) {

@@ -1,6 +1,6 @@
 //! Properties that codes of circles determine by themselves.
 
-/// Words that tell a circle.
+/// Words that define a circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum By {
     /// A radius if there is one, otherwise a centre.

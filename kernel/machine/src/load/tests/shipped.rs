@@ -16,7 +16,7 @@ fn shipped(name: &str) -> Machine {
     loaded.machine.unwrap()
 }
 
-/// The code a word means when no other word is on the block.
+/// The code a word means when no other word is in the block.
 fn meaning(machine: &Machine, letter: char, value: f64) -> Vec<&str> {
     let (register, _) = machine.tables.letter[letter as usize].unwrap();
     let rows = machine.tables.code(register, value);

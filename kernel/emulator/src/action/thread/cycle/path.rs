@@ -14,7 +14,7 @@ use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 
 impl Thread {
-    /// Outwards: away from the thread, towards where the tool stands.
+    /// Outwards: away from the thread, towards where the tool is.
     fn outward(&self, level: f64) -> f64 {
         if level < self.root { -1.0 } else { 1.0 }
     }
@@ -111,7 +111,7 @@ impl Act<'_, '_> {
         self.rapid_to_point(coded, target)
     }
 
-    /// The chamfer of a pass, if there is one: no higher than where the tool stands.
+    /// The chamfer of a pass, if there is one: no higher than where the tool is.
     fn pull_out(&mut self, thread: &Thread, root: f64, level: f64, begin: f64) -> Option<Chamfer> {
         let cycle = &mut self.state.threads.cycle;
         if !cycle.pull_out.on {
