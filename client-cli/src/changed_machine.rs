@@ -1,8 +1,8 @@
 //! A machine with other data for one run.
 //!
-//! The files of the machine and of the families it extends are taken together, the value is replaced in them, and the
-//! run gets the changed machine. Invariants: lines keep their numbers, so that findings name the place in the user's
-//! file; a key that changes nothing on the machine is refused.
+//! The files of the machine and of the families it extends are combined, the value is replaced in them, and the run
+//! gets the changed machine. Invariants: lines keep their numbers, so that findings name the place in the user's file;
+//! a key that changes nothing on the machine is refused.
 
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -87,7 +87,7 @@ fn has_systems(files: &Files, chain: &[String]) -> bool {
 
 /// The machine, or one that extends it by the settings: those of its control, where the last one of a key counts, and
 /// the variables that its channels share. The control of a composite is that of its components, which get definitions
-/// inside the folder of the machine; the lathes among them have systems of G codes.
+/// inside the folder of the machine. The lathes among them have systems of G codes.
 fn extended(
     name: String,
     mut files: Files,

@@ -152,8 +152,8 @@ impl Watch {
         }
     }
 
-    /// Reads the stream to its end. A stream that is dropped before is reset: after about a thousand streams that were
-    /// reset while the server was closing them, HTTP/2 gives up the connection with all other calls on it.
+    /// Reads the stream to its end. A stream that is dropped before its end is reset. After about a thousand streams
+    /// that were reset while the server was closing them, HTTP/2 closes the connection with all other calls on it.
     async fn close(&mut self) {
         if let Some(stream) = &mut self.stream {
             let _ = timeout(CLOSING, async { while let Ok(Some(_)) = stream.message().await {} }).await;

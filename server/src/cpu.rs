@@ -32,8 +32,8 @@ pub(crate) fn cores() -> usize {
     *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, NonZero::get))
 }
 
-/// Lets the threads that answer callers go before this thread and those that it starts, where the system has priorities
-/// of threads: a server whose cores all run jobs still accepts others at once.
+/// Gives the threads that answer callers precedence over this thread and those that it starts, if the system has thread
+/// priorities. So a server whose cores all run jobs still accepts others at once.
 pub(crate) fn run_after_callers() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::setpriority_process(None, BEHIND_CALLERS) {

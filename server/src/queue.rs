@@ -1,11 +1,11 @@
 //! The queue: which job runs next, and how many are before a given one.
 //!
-//! [`Queue`] is the seam; the one in memory is in `local`. Tenants that have jobs waiting take turns, and a turn is
-//! worth the same time of workers for each. Of one tenant, urgent jobs go first and others in the order of acceptance;
-//! a job that has waited long counts as more urgent. Two kinds go before all of them: jobs whose run the host failed,
-//! when their time has come, and, one at a time, jobs that were running when the server before this one died. A job
-//! that is held back keeps its place among the jobs that a tenant may let wait, but takes no turn. Invariant: a job is
-//! waiting, running or being stored, and never two of these.
+//! [`Queue`] is the seam; the one in memory is in `local`. Tenants with waiting jobs take turns, and a turn is worth
+//! the same time of workers for each. Of one tenant, urgent jobs go first and others in the order of acceptance; a job
+//! that has waited long counts as more urgent. Two kinds go before all of them: jobs whose run the host failed, when
+//! their time has come, and, one at a time, jobs that were running when the previous server died. A job that is held
+//! back keeps its place among the jobs that a tenant may let wait, but takes no turn. Invariant: a job is waiting,
+//! running or being stored, and never two of these.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Debug;
@@ -58,7 +58,7 @@ pub(crate) trait Queue: Send + Debug {
     /// Lets a job wait.
     fn push(&mut self, ticket: Ticket<'_>, entry: Entry);
 
-    /// Takes the next job if one of the `slots` workers is free for it. A tenant of which no job runs gets a worker
+    /// Takes the next job if one of the `slots` workers is free for it. A tenant without a running job gets a worker
     /// beyond them, up to as many again, so that long jobs of others do not keep it waiting.
     fn next(&mut self, slots: usize, now: Instant) -> Option<String>;
 
@@ -77,8 +77,8 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs on workers.
     fn running(&self) -> Vec<String>;
 
-    /// Jobs on workers that are to let others have their core, so that no more than `slots` jobs use one: of tenants
-    /// with several jobs on workers, those that began last.
+    /// Jobs on workers that have to give their core to others, so that no more than `slots` jobs use one: of tenants
+    /// with several jobs on workers, those that started last.
     fn suspended(&self, slots: usize) -> BTreeSet<String>;
 
     /// Number of jobs on workers.

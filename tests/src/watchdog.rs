@@ -1,8 +1,8 @@
 //! Watches a job that runs in a test: a stalled job fails the test instead of hanging it.
 //!
-//! Invariant: a job that makes progress, or works without making any that can be seen, is left alone. A job stands
-//! still when for two seconds no channel changed its place, its time or its state, and the process used next to no
-//! processor time. A job that stands still cannot be asked to stop, so the process ends with the state of every kernel.
+//! Invariant: a job that makes progress, or works without visible progress, is left alone. A job counts as hung when
+//! for two seconds no channel changed its place, its time or its state, and the process used next to no processor time.
+//! A hung job cannot be asked to stop, so the process ends with the state of every kernel.
 
 use std::fmt::Write as _;
 use std::sync::atomic::Ordering::Relaxed;

@@ -1,5 +1,5 @@
-//! The same path, written with decimal points and in least increments, in millimetres and in inches: the axes go the
-//! same ways on every shipped machine whose control can count increments.
+//! The same path, written with decimal points and in least increments, in millimetres and in inches: the axes move the
+//! same on every shipped machine whose control can count increments.
 
 use std::fmt::Write as _;
 use std::sync::Arc;

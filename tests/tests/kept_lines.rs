@@ -1,8 +1,8 @@
 //! A kernel's memory of repeated lines changes nothing: a job with a trace, which keeps nothing, has the same events.
 //!
 //! Programs are made at random: loops and jumps, calls with and without arguments, modal calls and cycles,
-//! compensation, frames and incremental words, in such an order that a line is met again in another state than the
-//! first time.
+//! compensation, frames and incremental words. Their order makes a line come again in another state than the first
+//! time.
 
 use counterpoint_kernel::log::event::{Event, Kind};
 use counterpoint_kernel::options::{Limits, Options};

@@ -1,5 +1,5 @@
-//! Random programs that wait for variables of each other: who can never leave a loop is found by a search without time,
-//! and the verdict must name exactly those, with the lines of their loops, under any schedule of threads.
+//! Random programs that wait for variables of each other. A search without time finds the channels that can never leave
+//! a loop. The verdict must name exactly those, with the lines of their loops, under any schedule of threads.
 
 use std::collections::BTreeSet;
 

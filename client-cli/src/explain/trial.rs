@@ -34,8 +34,8 @@ impl Sink for OfFirstLine {
     }
 }
 
-/// The block with a word that the control accepts although no table has the word: the word alone, such as the name of a
-/// sequence, or a value for it, such as a parameter of the control.
+/// A block with a word that the control accepts although no table has the word. The block is the word alone, such as
+/// the name of a sequence, or assigns a value to it, such as a parameter of the control.
 pub(super) fn accepted(machine: &Machine, word: &str) -> Option<String> {
     let name = word.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'$' | b'.'));
     if !name || !word.contains(|c: char| c.is_ascii_alphabetic()) || words::register_of(machine, word).is_some() {

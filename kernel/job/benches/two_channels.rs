@@ -1,8 +1,7 @@
 //! The rate of a channel that meets another one every 20 blocks, beside the rate of a channel alone.
 //!
-//! It needs two cores that are free at the same time, which a virtual machine has only at times: samples are taken in
-//! turns with two jobs that have nothing to do with each other, and count where these ran side by side as fast as
-//! alone.
+//! It needs two cores that are free at the same time, which a virtual machine has only sometimes. So samples alternate
+//! with two independent jobs, and count if these ran side by side as fast as alone.
 
 #![allow(clippy::expect_used, clippy::print_stdout, missing_docs, reason = "a bench prints, and stops on nonsense")]
 

@@ -82,8 +82,8 @@ impl Circle {
         Self::through(from, middle.into(), to)
     }
 
-    /// Where the middle of the arc is, seen from the middle of the chord from `from` to `to`, by two directions across
-    /// the chord which the chord alone decides.
+    /// Offset of the middle of the arc from the middle of the chord from `from` to `to`, as components along two
+    /// directions across the chord that the chord alone determines.
     #[must_use]
     pub fn bulge(&self, from: [f64; 3], to: [f64; 3]) -> [f64; 2] {
         let Some([u, v]) = across(from, to) else { return [0.0; 2] };

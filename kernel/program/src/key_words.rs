@@ -69,8 +69,8 @@ pub struct Number {
     pub fraction: u8,
 }
 
-/// A keyword of statements, or the first letters of one, stands at a place: it begins and ends there with its letters,
-/// and no literal text that is longer stands there.
+/// Whether a keyword of statements, or its first letters, is at a place: it starts and ends there with its letters, and
+/// no longer literal text is there.
 #[inline]
 pub fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
     // Most words end after their letter.

@@ -286,8 +286,8 @@ fn section_name(source: &Source, channel: u16) -> String {
     first.map_or(String::new(), |section| section.name.to_string())
 }
 
-/// The programs of channels in a file that has sections, those that a wish is for: channel and main program, as that
-/// channel sees the file.
+/// The programs of channels in a file with sections that a request selects: channel and main program, as that channel
+/// sees the file.
 fn in_sections(wish: &Program, source: &Arc<Source>, callers: &Callers) -> Option<Vec<(u16, Range)>> {
     let mut found = channel_mains(source, callers)?;
     if let Some(number) = wish.number {

@@ -1,5 +1,5 @@
-//! Who reads the texts of a job's programs: the machine, or, where the components of a composite have different
-//! pre-processors, the first component with each of them.
+//! The reader of the texts of a job's programs: the machine, or the first component with each pre-processor if the
+//! components of a composite have different ones.
 //!
 //! Decision: a program file is read by the component with which its channel begins. *Invariant:* the readers are in the
 //! order of [`Machine::readers`].
@@ -51,8 +51,8 @@ impl<'a> Readers<'a> {
         place.checked_sub(1).and_then(|place| self.others.get(place)).unwrap_or(&self.first)
     }
 
-    /// Place of the one that reads a program of the job: that of the channel which the program names, otherwise of the
-    /// next channel from the left that no program names.
+    /// Place of the component that reads a program of the job: that of the channel which the program names, otherwise
+    /// that of the next channel from the left that no program names.
     pub(super) fn of_program(&self, programs: &[Program], place: usize) -> usize {
         if self.others.is_empty() {
             return 0;

@@ -38,8 +38,8 @@ pub struct NamedPrograms {
     pub is_header: fn(&[u8]) -> bool,
     /// A line says that its program is a subprogram.
     pub returns: fn(&[u8]) -> bool,
-    /// The channel of a job archive that the line which defines a program names, and the number of the program there: 0
-    /// is the main program of the channel, others are data.
+    /// The channel of a job archive named by the line that defines a program, and the number of the program there. 0 is
+    /// the main program of the channel, others are data.
     pub in_archive: Option<ReadArchiveHead>,
 }
 

@@ -1,11 +1,12 @@
 //! Causes of the cycle time of a job: the cost of each channel for the others, the chain of work that ends last, and
 //! possible savings elsewhere.
 //!
-//! Everything is computed from when channels arrived at sync points, when they continued, and who let them continue, as
-//! the summary has it. The work between is fixed; a wait ends when its partner comes, acts or ends. If a channel that
-//! did not have to wait was let through by an act (a flag that was set before), the act counts as made at its arrival,
-//! because the log does not say when it was: slack and savings are never too large for that. *Invariant:* sync points
-//! are in causal order, so one pass backwards finds the latest times, one forwards the new ones.
+//! All results are computed from the times at which channels arrived at sync points and continued, and from the
+//! channels that let them continue, as the summary has them. The work between is fixed; a wait ends when its partner
+//! comes, acts or ends. If an act (a flag that was set before) let a channel through without a wait, the act counts as
+//! made at the arrival of the channel, because the log does not give its time. So slack and savings are never too
+//! large. *Invariant:* sync points are in causal order, so one pass backwards finds the latest times, one forwards the
+//! new ones.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -176,8 +177,8 @@ fn slack(ends: &[(u16, i64)], waits: &[SyncPoint]) -> BTreeMap<u16, i64> {
     slack
 }
 
-/// Marks whose sync points always come for all their channels at the instant at which another one was passed by the
-/// same, and at which nothing happens but the wait.
+/// Redundant marks: their sync points always come for all their channels at the instant at which the same channels
+/// passed another one, and only the wait happens there.
 fn redundant(waits: &[SyncPoint]) -> Vec<Arc<str>> {
     let mut last: BTreeMap<u16, (usize, i64)> = BTreeMap::new();
     let mut keys: BTreeMap<&Arc<str>, bool> = BTreeMap::new();

@@ -212,9 +212,9 @@ impl Coordinator {
         t <= self.stop_t.load(SeqCst)
     }
 
-    /// No other kernel will do anything before this time, nor has stopped the job before it; the largest time when all
-    /// the others are done. A kernel that is blocked is resumed by this one or by one that is not blocked, so it holds
-    /// at the least of their times.
+    /// No other kernel will act before this time, nor has stopped the job before it; the largest time when all other
+    /// kernels have ended. A kernel that is blocked is resumed by this kernel or by one that is not blocked, so the
+    /// bound is the least of their times.
     pub fn floor(&self, channel: u16) -> i64 {
         let least = || {
             let others = self.slots.iter().zip(self.channels.numbers()).filter(|(_, other)| **other != channel);
@@ -260,8 +260,8 @@ impl Coordinator {
         self.lock().order.stopped().filter(|tag| *tag != ABORT).unwrap_or(Tag::END)
     }
 
-    /// The order and its state, while no kernel needs its turn for that: before the first and after the last kernel has
-    /// run, or for operations that may be done in any order.
+    /// The order and its state while no kernel needs its turn for them: before the first and after the last kernel has
+    /// run, or for operations in any order.
     pub fn unordered<R>(&self, operation: impl FnOnce(&mut Order) -> R) -> R {
         let mut inner = self.lock();
         let result = operation(&mut inner.order);
@@ -322,7 +322,7 @@ impl Coordinator {
         inner.order.recycle(effects);
     }
 
-    /// Sets the bounds of those that continue before the bounds of those that stand or end: otherwise a kernel that
+    /// Sets the bounds of kernels that continue before the bounds of kernels that block or end. Otherwise a kernel that
     /// looks at this very moment would see no kernel that can still act.
     fn set_bounds(&self, effects: &[Effect]) {
         let bound = |effect: &Effect| if let Effect::Bound(channel, t) = *effect { Some((channel, t)) } else { None };

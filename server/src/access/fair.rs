@@ -1,10 +1,10 @@
 //! Turns of identities: beside others, an identity has only a few short calls in hand; the rest of them waits.
 //!
-//! A caller alone has no limit. Beside others it would stand before them in every queue of the server, first of all in
-//! the commits of the ledger: the calls of others would wait for as many of its calls as it has callers. An identity
-//! may have as many calls in hand as the least demanding of the others, so two that are equally busy do not limit each
+//! A caller alone has no limit. Beside others it would precede them in every queue of the server, first of all in the
+//! commits of the ledger: the calls of others would wait for as many of its calls as it has callers. An identity may
+//! have as many calls in progress as the least demanding of the others, so two that are equally busy do not limit each
 //! other. *Invariants:* an identity with fewer than [`FEW`] calls in progress never waits, regardless of others; one
-//! that waits has calls in hand, so its turn comes; a call that is given up leaves its place to the next.
+//! that waits has calls in progress, so its turn comes; a call that is abandoned leaves its place to the next.
 
 use std::collections::{HashMap, VecDeque};
 use std::fmt::Debug;

@@ -78,8 +78,8 @@ impl Board {
     }
 }
 
-/// Whether a tenant may let another job wait: in a queue for `most` jobs of which `all` wait, `own` of them of the
-/// tenant. A full queue still has a tenth of its places for each tenant, but no more than as many again in all: one
+/// Whether a tenant may let another job wait, in a queue for `most` jobs of which `all` wait, `own` of them of the
+/// tenant. A full queue still has a tenth of its places for each tenant, but in all no more than as many again: one
 /// tenant cannot fill it for the others.
 fn has_place(most: usize, all: usize, own: usize) -> bool {
     all < most || own < all && own < (most / 10).max(1) && all < most.saturating_mul(2)

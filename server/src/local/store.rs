@@ -1,4 +1,4 @@
-//! The data folder: where each thing lies, and how a file gets there so that a crash leaves the old or the new
+//! The data folder: the place of each file, and the way of writing a file so that a crash leaves the old or the new
 //! content, never half of it.
 //!
 //! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `blobs/@<tenant>/<2 digits>/<digest>`,

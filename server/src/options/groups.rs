@@ -164,13 +164,13 @@ group! {
 group! {
     /// External waits of macros: commands of the operating system (`SYSTEM`) and the operator.
     System, SystemFlags {
-        /// Macros of machines that an administrator has put there, and of shipped ones, may start commands of the
-        /// operating system, with the rights of the server
+        /// Allow macros of shipped machines, and of machines that an administrator has put there, to start commands of
+        /// the operating system with the rights of the server
         allow_system: bool = false, "COUNTERPOINT_ALLOW_SYSTEM", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
         /// Seconds after which such a command is ended
         system_wait_s: u64 = 60, "COUNTERPOINT_SYSTEM_WAIT_S", "SECONDS";
-        /// Seconds that a dialog of an attended job waits for the operator before it fails, and that a job that is
-        /// stepped through stands without a command before it runs on
+        /// Seconds that a dialog of an attended job waits for the operator before it fails, and that a stepped job
+        /// stays paused without a command before it continues
         operator_wait_s: u64 = 600, "COUNTERPOINT_OPERATOR_WAIT_S", "SECONDS";
     }
 }

@@ -75,8 +75,8 @@ impl std::fmt::Debug for Finished {
 }
 
 impl Finished {
-    /// Results of a run. A `limit` of the server that stopped it (empty = none) is a verdict that the log does not
-    /// have, because it is none of the program's.
+    /// Results of a run. A `limit` of the server that stopped the run (empty = none) is a verdict that the log does not
+    /// have, because it is not caused by the program.
     pub(crate) fn new(mut results: Results, files: WrittenFiles, limit: &str) -> Self {
         if !limit.is_empty() {
             let at_ns = results.summary.makespan_ns;

@@ -1,7 +1,7 @@
 //! The exporter: a thread that sends the spans of ended jobs in batches.
 //!
-//! Of each job there is the span `job`, from its acceptance to its end, and in it `run`, its last run. Their ids come
-//! from that of the job, so a job that ends twice because the end of the first run was lost has the same spans.
+//! Each job has the span `job`, from its acceptance to its end, and in it `run`, its last run. Their ids come from that
+//! of the job, so a job that ends twice because the end of the first run was lost has the same spans.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Mutex, PoisonError};

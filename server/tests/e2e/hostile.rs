@@ -1,4 +1,4 @@
-//! Everything hostile at once against a server on the real emulator, as a process of its own: each case is answered by
+//! All hostile cases at once against a server on the real emulator, as a process of its own: each case is answered by
 //! name, the work of others is done, and the server stays small.
 
 use counterpoint_proto::v1;

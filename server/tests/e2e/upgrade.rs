@@ -126,8 +126,8 @@ const ENDED: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended
 const ENDED_7: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDefinition::new("ended_jobs");
 const USAGE: TableDefinition<'_, &str, (u64, u64, u64)> = TableDefinition::new("usage");
 
-/// A folder as a server of a schema left it: two jobs that have ended, one of them with a small log, one that was
-/// running, one that waited. Gives their identities by request id.
+/// A folder as a server of a schema left it: two jobs that have ended, one of them with a small log, one running job
+/// and one waiting job. Returns their identities by request id.
 const SCRIPTS: [(&str, &str, u64); 4] = [
     ("ended", "EVENTS 2000", 2000),
     ("small", "EVENTS 9", 9),

@@ -1,5 +1,5 @@
-//! A model of the primitives that shares nothing with the kernel: one list of steps a channel, and always the channel
-//! that is least far in time continues.
+//! A model of the primitives that shares nothing with the kernel: one list of steps per channel, and the channel with
+//! the earliest time always continues.
 
 use std::collections::BTreeMap;
 

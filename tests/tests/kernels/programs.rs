@@ -58,8 +58,8 @@ impl Numbers {
 /// The allowed content of the programs of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
-    /// A dwell of a random length after every step, so that hardly two channels do something at one instant, and
-    /// nothing that the model does not know.
+    /// A dwell of a random length after every step, so that hardly any two channels act at one instant, and nothing
+    /// that the model does not know.
     Spaced,
     /// Everything.
     All,

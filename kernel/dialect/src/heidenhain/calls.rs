@@ -135,9 +135,9 @@ impl Heidenhain {
         self.number(SECOND_CLEARANCE)
     }
 
-    /// Blocks that lead to the position of CYCL CALL POS, and the surface there, which its word of the tool axis moves:
-    /// from above first in the plane, from below first up to the clearance. The feed of the block is that of the way
-    /// alone.
+    /// Blocks that lead to the position of CYCL CALL POS, and the surface there, which its word of the tool axis moves.
+    /// From above the tool moves in the plane first, from below up to the clearance first. The feed of the block
+    /// applies to this path alone.
     fn approach(&mut self, host: &mut dyn Host, seen: Vec<Seen>) -> (Vec<String>, f64) {
         let along = self.variables.control.tool_axis.unwrap_or(2);
         let is_height = |word: &Seen| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| at == along);

@@ -181,8 +181,8 @@ impl Walk<'_> {
         found().unwrap_or_default()
     }
 
-    /// Where a circle leaves for an arc of a radius that leads to another circle, to the right of the line between the
-    /// centres first, or to a line, where it comes to that first.
+    /// Where a circle leaves for an arc of a radius that leads to another circle or to a line. To a circle, the
+    /// solution to the right of the line between the centres comes first; to a line, the one that reaches it first.
     pub(super) fn leaves_for_arc(&self, (center, radius, clockwise): (Point, f64, bool)) -> Vec<Point> {
         let found = || {
             let (between, own, behind) = self.arc_between()?;

@@ -188,8 +188,8 @@ impl Heidenhain {
         if radius > 0.0 { Ok(radius) } else { Err("the tool of an SL cycle has no radius".to_owned()) }
     }
 
-    /// Ways beside the figures in the sense of the task: along each of them, or, where they leave too little room for
-    /// that, round all that the tool reaches.
+    /// Paths beside the figures in the sense of the task: along each of them. Where they leave too little room for
+    /// that, the path goes around the whole area that the tool reaches.
     fn ways(&self, figures: &[Figure], amount: f64, task: &Task) -> Result<Vec<Closed>, String> {
         let all: Vec<Closed> = figures.iter().map(|figure| figure.outline.clone()).collect();
         let corners = match task.rounding {

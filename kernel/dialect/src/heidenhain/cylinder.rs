@@ -392,7 +392,7 @@ impl Heidenhain {
         Ok(Passes { start, ways, rises: false, again })
     }
 
-    /// Passes by which both walls come within Q21 of those that a tool as wide as the slot leaves: at each depth such a
+    /// Passes that bring both walls within Q21 of the walls cut by a tool as wide as the slot. At each depth such a
     /// tool touches them in another direction.
     fn passes(&self, way: &[Element], amount: f64, ground: f64, unit: f64) -> u32 {
         let tolerance = self.sl(21) * unit;

@@ -279,8 +279,8 @@ impl Heidenhain {
         Some(self.q(index)).filter(|count| (1.0..=MOST as f64).contains(count)).map(|count| count as usize)
     }
 
-    /// Points of cycle 220: without a step they share the way from the first angle to the last, of a full circle its
-    /// end is free.
+    /// Points of cycle 220. Without a step they divide the arc from the first angle to the last into equal parts; on a
+    /// full circle the end has no point.
     fn on_circle(&self) -> Option<Vec<Point>> {
         let count = self.points(241)?;
         let [first, last, step] = [245, 246, 247].map(|index| self.q(index));

@@ -11,8 +11,8 @@ use crate::host::Host;
 const TO_THE_END: f64 = -1.0;
 
 impl Heidenhain {
-    /// Takes M140 with its words off a block: the blocks that carry it out, none where the block has no such words or
-    /// the machine no register for them.
+    /// Takes M140 with its words off a block and returns the blocks that execute it. There are none if the block has no
+    /// such words or the machine has no register for them.
     pub(super) fn retract(&self, host: &dyn Host, seen: &mut Vec<Seen>) -> Vec<String> {
         let at = seen.iter().position(|word| word.is("M") && word.value == Some(140.0));
         let Some(at) = at.filter(|_| host.is_register("MB")) else { return Vec::new() };

@@ -134,8 +134,8 @@ impl Heidenhain {
         (self.sl(index) > 0.0).then(|| self.sl(index) as u32)
     }
 
-    /// How much farther from the contour than its radius the tool of cycle 277 is: at the surface its cone reaches
-    /// beyond the contour by the width of the chamfer.
+    /// Additional distance of the tool of cycle 277 from the contour, beyond its radius. At the surface its cone
+    /// reaches beyond the contour by the width of the chamfer.
     fn beside_chamfer(&self, host: &dyn Host) -> Result<f64, String> {
         let tool = self.variables.control.tool.unwrap_or_else(|| f64::from(host.tool()));
         let half = self.tools.column(host, tool as u32, TIP_ANGLE).unwrap_or(0.0) / 2.0;

@@ -96,8 +96,8 @@ pub trait Frames {
     /// Sets the rotation, which takes effect at once; returns whether it was set.
     fn turn_offset(&mut self, number: u32, turn: Option<[f64; 9]>) -> bool;
 
-    /// Moves an axis to a position together with the next move of the block, or alone at the end of the block: its
-    /// letter, the position in program units, and its feed per minute (none is rapid).
+    /// Moves an axis to a position, together with the next move of the block or alone at the end of the block.
+    /// Arguments: its letter, the position in program units, and its feed per minute (none is rapid).
     fn go_beside(&mut self, letter: &str, to: f64, feed: Option<f64>);
 
     /// Makes the feed of the path count only for these axes, given by their letters; without letters, for the initial

@@ -1,7 +1,7 @@
 //! The effect of a block of an OSP program, without executing it.
 //!
-//! *Invariant:* labels and programs are found as the interpreter finds them. Decision: how often a call with Q runs
-//! depends on a setting that macros of the machine make, so with macros the number of its passes counts as computed.
+//! *Invariant:* labels and programs are found as the interpreter finds them. Decision: the number of passes of a call
+//! with Q depends on a setting that macros of the machine make. So with macros that number counts as computed.
 
 use super::lap::{self, Lap};
 use super::line::{Head, Item, Line, Statement, Target, Wanted, normal, read};

@@ -112,8 +112,8 @@ impl Siemens {
         Ok(())
     }
 
-    /// A contour by its name: the subprogram of that name, or the section between the labels that the control's editor
-    /// of contours writes around a contour within the program.
+    /// A contour by its name: the subprogram of that name, or a section of the program. The control's editor of
+    /// contours writes labels around such a section.
     fn contour_by_name(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<Call> {
         let found = self.program_by_path(host, name)?;
         if !name.is_empty() && found.is_some() {
@@ -188,9 +188,9 @@ impl Siemens {
         Some((clearing, rows))
     }
 
-    /// Ways around the pocket and its islands at a distance, in the directions of G3 around the rim or, with a number
-    /// other than 0 after the step of the cuts, of G2: rows of a table, each way after a row of kind 0 with its
-    /// beginning. -1 rows if the tool fits nowhere.
+    /// Paths around the pocket and its islands at a distance, as rows of a table. They run in the direction of G3
+    /// around the rim or, with a number other than 0 after the step of the cuts, of G2. Each path follows a row of kind
+    /// 0 with its start. -1 rows if the tool fits nowhere.
     fn ways(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
         let [by, step, turned] = self.numbers(host, arguments.get(2..).unwrap_or_default())?;
@@ -224,8 +224,8 @@ impl Siemens {
         self.fill(host, (&count, &table), &holes, factor)
     }
 
-    /// Strokes of a text whose capitals are as high as 1, and the width of one of its letters: rows of a table, each
-    /// stroke from a row of kind 0 on. -1 rows if it has a letter that is not of ASCII.
+    /// Strokes of a text with capitals of height 1, and the width of one of its letters. The strokes are rows of a
+    /// table, each starting with a row of kind 0; -1 rows if a letter is not ASCII.
     fn letters(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [count, table, wide] = self.targets(host, arguments)?;
         let mut rest = [None, None];

@@ -2,11 +2,10 @@
 //!
 //! TRANS replaces the whole translation. G58 and G59 replace the absolute and the additive part of the translation of
 //! the axes that they name; ATRANS adds to the additive part. G74 goes to the reference point and G75 to a fixed point
-//! with the axes that the block names: their values mean nothing, nor do those of MIRROR and AMIRROR. Facts:
+//! with the axes that the block names. The values of these axes have no meaning, as in MIRROR and AMIRROR. Facts:
 //! programming manual, fundamentals, chapters "programmable zero offset", "reference point approach", "fixed point
-//! approach". Decisions: TRANS, ROT, SCALE and MIRROR take the additive part away, as they take the whole frame; G58
-//! and G59 in a frame that is turned, scaled or mirrored are refused. *Invariant:* no value of a G74 or G75 is a
-//! position.
+//! approach". Decisions: TRANS, ROT, SCALE and MIRROR remove the additive part, as they remove the whole frame; G58 and
+//! G59 in a frame that is turned, scaled or mirrored are refused. *Invariant:* no value of a G74 or G75 is a position.
 
 use super::run::Left;
 use super::value::Data;

@@ -192,8 +192,8 @@ impl Siemens {
         }
     }
 
-    /// All blocks are for the pre-processor while a name may stand for something else, motion may call, an action waits
-    /// or the tool turns along the way.
+    /// Sends all blocks to the pre-processor while a name may stand for something else, motion may call, an action
+    /// waits or the tool turns along the path.
     fn watch(&self, host: &mut dyn Host) {
         host.watch(self.must_watch());
     }

@@ -1,4 +1,4 @@
-//! Directions of the tool by angles, and frames by two space angles or by the direction of the tool: the machine's
+//! Directions of the tool by angles, and frames by two space angles or by the direction of the tool. The machine's
 //! tables get directions, TRANS, ROT and AROT for them.
 //!
 //! Facts: programming manual, job planning, chapters "programming the tool orientation" and "frame generation by tool

@@ -1,8 +1,8 @@
 //! `$FCEPP` settings of this control, and names as macros write them.
 //!
-//! Facts: reference functions.md 9. Decision: as long as COLLAPSEASSIGNS is not set, `=` goes away where the machine
-//! has the address as a register and not together with its `=`. Invariant: blanks around `=` are always taken off a
-//! word.
+//! Facts: reference functions.md 9. Decision: unless COLLAPSEASSIGNS is set, `=` is removed if the machine has a
+//! register for the address alone and not for the address with its `=`. Invariant: blanks around `=` are always removed
+//! from a word.
 
 use counterpoint_lang::value::Value;
 

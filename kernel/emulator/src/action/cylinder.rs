@@ -94,7 +94,7 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
     Ok(())
 }
 
-/// The radius, the rotary axis with the role of its linear axis, and whether words will be coordinates: the radius has
+/// The radius, the rotary axis with the role of its linear axis, and whether words will be coordinates. The radius has
 /// a word of its own, or it is the word of the axis.
 type Given = (f64, Option<(AxisSlot, usize)>, bool);
 

@@ -46,9 +46,9 @@ pub(super) fn put_length(act: &mut Act<'_, '_>, sign: f64, number: u32) {
     act.state.place.in_force.set_length(sign, number);
 }
 
-/// Puts a change of the length into force. On machines where the axis of the tool moves by the change, its next move
-/// travels it, unless a code of the block has the axis words for itself (G28) or gives positions of the machine frame
-/// (G53).
+/// Makes a change of the length active. On machines where the axis of the tool moves by the change, its next move
+/// includes the change. Exceptions are blocks with a code that takes the axis words itself (G28) or gives positions of
+/// the machine frame (G53).
 pub(super) fn length_changed(act: &mut Act<'_, '_>) {
     let machine = act.env.machine;
     act.block.flags.travels = machine.compensation.length.moves

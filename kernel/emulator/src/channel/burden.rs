@@ -57,8 +57,8 @@ impl Kernel<'_> {
         self.limit(&format!("the memory of the job is exhausted: {what}"), Some(Limit::Memory))
     }
 
-    /// Between two holes of a block: others see how far this kernel is, and the limits of the job count: a hole is
-    /// as much work as a block.
+    /// Between two holes of a block: publishes the progress of this kernel and checks the limits of the job. A hole
+    /// counts as much work as a block.
     pub(crate) fn count_as_block(&mut self) -> Acted {
         if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.bound())
             || self.ports.control.cancelled()

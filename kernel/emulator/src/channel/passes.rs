@@ -167,8 +167,8 @@ impl Passes {
 }
 
 impl Kernel<'_> {
-    /// Counts a pass of the loop from `target` to `from` in the current program. A pass that took no time costs a tick,
-    /// and a loop that only polls is hopeless once no channel is left to change the variables that it reads.
+    /// Counts a pass of the loop from `target` to `from` in the current program. A pass that took no time costs a tick.
+    /// A loop that only polls is hopeless once no channel is left to change the variables that it reads.
     ///
     /// # Errors
     /// When the loop is hopeless.

@@ -406,8 +406,9 @@ fn sources(machine: &Machine, diameter_x: &[DataId]) -> Table<DataId, Vec<Source
     machine.tables.rows_of_data.map(|_, rows| rows.iter().filter_map(source).collect())
 }
 
-/// One of a number without a point for a row whose register counts least increments: words with a factor of their own
-/// and plain numbers are as written, and the unit of angles and times does not change with that of lengths.
+/// Value of one increment of a number without a point for a row whose register counts least increments. Words with a
+/// factor of their own and plain numbers are as written, and the unit of angles and times does not change with that of
+/// lengths.
 fn one(machine: &Machine, row: &DataRow) -> Option<[f64; 2]> {
     if row.increment.is_some() {
         return row.increment;

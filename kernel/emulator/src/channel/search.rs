@@ -1,8 +1,8 @@
 //! Where a called program or range of blocks is looked for.
 //!
 //! Facts: reference control-emulator.md 5.7. Order: the place that the machine names, then the files stored with the
-//! machine, then (this project's choice) the other places, files beside the program that are named after the number,
-//! and all files of the job that define a program of the number.
+//! machine, then (this project's choice) other places. These are files beside the program that are named after the
+//! number, and all files of the job that define a program of the number.
 
 use counterpoint_fault::Halt;
 use std::sync::Arc;

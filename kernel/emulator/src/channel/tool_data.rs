@@ -89,8 +89,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// Diameter and corner radius by the active offset: a turning tool has its nose radius there, a cutter half its
-    /// diameter, and only while its path is compensated.
+    /// Diameter and corner radius by the active offset: the nose radius of a turning tool, or half the diameter of a
+    /// cutter while its path is compensated.
     fn offset_in_force(&self) -> (Option<f64>, Option<f64>) {
         let some = |value: f64| Some(value).filter(|value| *value > 0.0);
         if self.channel.env.machine.tool.offset_digits > 0 {

@@ -145,8 +145,8 @@ impl Kernel<'_> {
         Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))
     }
 
-    /// Executes the call or return that a block inside another one asks for, before the macro continues: the whole
-    /// subprogram, or the way back to the caller.
+    /// Executes the call or return of a block inside another block before the macro continues: the whole subprogram, or
+    /// the return to the caller.
     pub(crate) fn call_at_once(&mut self) -> Acted {
         use Pending::{Call, CallRange, CallText, Contour, Return};
         match self.flow.pending {
@@ -176,8 +176,8 @@ impl Kernel<'_> {
         done
     }
 
-    /// Whether a return may happen at once: one that would end the run, or pull the text away from a pre-processor that
-    /// is reading it, waits for the end of the interrupted block.
+    /// Whether a return may happen at once. It waits for the end of the interrupted block if it would end the run, or
+    /// pull the text away from a pre-processor that is reading it.
     fn may_return_at_once(&self, target: Option<u32>) -> bool {
         let has_interpreter = self.plan.scanner.syntax().needs_interpreter.is_some();
         let reading = has_interpreter && self.dialect.interpreter.is_none();

@@ -157,8 +157,8 @@ impl Kernel<'_> {
         six
     }
 
-    /// The solution that a number asks for: 0 the first one within the limits, 1 the one with the least turning, of
-    /// equal solutions the one with the shortest travel of the linear axes, 2 the other solution.
+    /// The solution with a number: 0 is the first within the limits, 1 the one with the least turning (of equal
+    /// solutions the one with the shortest travel of the linear axes), 2 the other solution.
     fn chosen(&self, all: &[Angles<AxisSlot>], reached: &[Six], number: f64) -> Option<usize> {
         if number != 1.0 && number != 2.0 {
             return all.iter().position(|one| self.channel.within(one)).or((!all.is_empty()).then_some(0));

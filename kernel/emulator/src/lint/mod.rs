@@ -1,5 +1,5 @@
-//! A program is followed without being executed: its calls, its jumps and its acts for other channels, so that its
-//! waits can be judged before anything moves.
+//! Follows a program without executing it: its calls, its jumps and its acts for other channels. So its waits can be
+//! judged before anything moves.
 //!
 //! Words between channels, calls and ends act as in a run; nothing else does, and no variable has a value. If only a
 //! run could decide how the program continues, the channel is checked no further, and the place and the reason are

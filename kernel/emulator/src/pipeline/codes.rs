@@ -477,8 +477,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// Loads the start state of the machine: these codes become active without acting, and a form of the tool direction
-    /// is the one in which programs write it.
+    /// Loads the start state of the machine: these codes become active without acting. A form of the tool direction
+    /// among them is the one in which programs write directions.
     pub(crate) fn initial_codes(&mut self) {
         for &id in &self.channel.env.machine.initial {
             let row = self.channel.env.machine.codes.entries().find(|(_, row)| row.id == id);

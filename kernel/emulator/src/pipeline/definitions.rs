@@ -1,9 +1,9 @@
 //! Definitions of programs that the flow meets, and text that belongs to no program.
 //!
 //! Facts: reference control-emulator.md 5.7 (a definition met in normal flow cannot be skipped). Decisions: that holds
-//! where subprograms are at the end of the main file or where defined (`same-file`), and not for a program that another
-//! channel runs, where the text ends as at the end of the file. *Invariant:* text that no program owns is reported once
-//! for each file and channel.
+//! where subprograms are at the end of the main file or where defined (`same-file`). It does not hold for a program
+//! that another channel runs: there the text ends as at the end of the file. *Invariant:* text that no program owns is
+//! reported once for each file and channel.
 
 use crate::channel::Kernel;
 use counterpoint_event::event::FileId;

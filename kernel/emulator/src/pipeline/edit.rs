@@ -74,7 +74,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// Blocks of a file may be other than its lines: the tape editor changes them, or a character that ends blocks is
+    /// Blocks of a file may differ from its lines: the tape editor changes them, or a character that ends blocks is
     /// somewhere in the file.
     #[inline(always)]
     pub(crate) fn is_reshaped(&mut self, source: &Source) -> bool {

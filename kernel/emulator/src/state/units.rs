@@ -41,8 +41,8 @@ impl Channel<'_> {
         }
     }
 
-    /// Factor from programmed positions of X to those of its axis: the program may count radii along a diameter axis,
-    /// or diameters along another one (reference control-emulator.md 6.2).
+    /// Factor from programmed positions of X to those of its axis. The program may use radii for a diameter axis, or
+    /// diameters for another axis (reference control-emulator.md 6.2).
     #[cold]
     pub(crate) fn diameter_factor(&self) -> f64 {
         match (self.state.modal.code(group::DIAMETER_X), self.state.place.scale_of(0) < 1.0) {

@@ -1,7 +1,7 @@
 //! Several kernels under a master.
 //!
-//! The thread that runs the job is the master kernel (#0): it starts the kernels, one thread each, puts their results
-//! together, merges their events into the ordered log if it is requested, and closes the job. Facts: reference
+//! The thread that runs the job is the master kernel (#0). It starts the kernels, one thread each, and combines their
+//! results. It merges their events into the ordered log if a log is requested, and closes the job. Facts: reference
 //! control-emulator.md 2.1, 2.4, 8.
 
 mod master;

@@ -169,8 +169,8 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Where the kernels continue with the file that Machine Shutdown named: its main programs from left to right, as for
-/// a job of this file alone. `wrong` says why the machine cannot be started again.
+/// Where the kernels continue with the file that Machine Shutdown named: its main programs from left to right, as for a
+/// job of this file alone. `wrong` says why the machine cannot be started again.
 pub(super) fn restarted(kernel: &mut Kernel<'_>, restart: Restart, wrong: Option<&str>) -> Option<Again> {
     let Restart { file, line, reset } = restart;
     let (info, machine) = (kernel.channel.env.info, kernel.channel.env.machine);

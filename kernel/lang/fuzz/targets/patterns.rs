@@ -1,5 +1,5 @@
-//! Lines: an expression, a replacement, the text. Compiling, finding and editing end, the only fault at run time is the
-//! used-up budget of steps, and a search never takes more time than its budget stands for.
+//! Lines: an expression, a replacement, the text. Compiling, finding and editing end. The only fault at run time is the
+//! used-up budget of steps, and a search never takes more time than its budget allows.
 #![no_main]
 
 use counterpoint_lang::diag::Number;

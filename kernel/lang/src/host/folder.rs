@@ -169,8 +169,8 @@ impl Folder {
         }
     }
 
-    /// Status of opening a file: it may be missing if it can be made, but it must be one and lie below the folder of
-    /// the run.
+    /// Status of opening a file. The file may be missing if it can be created; otherwise it must be a regular file
+    /// below the folder of the run.
     pub fn openable(&self, shelf: &mut dyn Shelf, state: &mut State, path: &str) -> i32 {
         let found = self.place(state, path).and_then(|place| match shelf.facts(&place) {
             Ok(facts) if facts.folder || facts.allowed & 4 == 0 => Err(FORBIDDEN),

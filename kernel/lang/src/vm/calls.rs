@@ -222,8 +222,8 @@ fn give_value(register: &mut Value, value: &Value) {
     }
 }
 
-/// Ends a function that was called by another macro, if it is not traced and its result is of its type: `frame`
-/// becomes that of the caller. The answer is the caller and the place of the call.
+/// Ends a function that was called by another macro, if it is not traced and its result has its type: `frame` becomes
+/// that of the caller. Returns the caller and the place of the call.
 #[inline(never)]
 pub(super) fn quick_return<'p>(
     program: &'p Program,

@@ -60,8 +60,8 @@ fn wrong(rule: &DiagnosticRule) -> Option<String> {
     None
 }
 
-/// The error file: `\ number severity text`, a minus before the number switches it off, `!` begins a comment line,
-/// a definition continues in the next lines, a backslash at a line's end joins without a blank.
+/// The error file: `\ number severity text`. A minus before the number switches it off, `!` starts a comment line. A
+/// definition continues in the next lines; a backslash at the end of a line joins them without a blank.
 fn read_file(top: &mut Section<'_>, files: &dyn Files, rules: &mut Vec<DiagnosticRule>) {
     let Some(name) = top.name("diagnostics_file", 64) else { return };
     let owner = top.place_of("diagnostics_file").file.clone();

@@ -145,7 +145,7 @@ fn add(table: &mut Table, key: &str, made: Vec<Node>) {
     }
 }
 
-/// A row of the file takes the place of a made one: the same row by name, or a code row without conditions for the
+/// A row of the file replaces a generated row with the same name, or a generated code row without conditions for the
 /// same word.
 fn overrides(key: &str, own: &Node, made: &Node) -> bool {
     let (Value::Table(own), Value::Table(made)) = (&own.value, &made.value) else { return false };

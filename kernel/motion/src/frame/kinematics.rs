@@ -2,10 +2,10 @@
 //! direction.
 //!
 //! Every rotary axis has a direction about which the tool turns right-handed relative to the part at growing angles,
-//! and a point on it in the machine frame with all axes at zero. Tables and heads stand in the order from the machine
-//! to the part or to the tool. Points are those of the gauge point of the spindle; a tool is a way from its tip to that
-//! point with all heads at zero. Facts: reference control-emulator.md 6.8, functions.md 10. *Invariant:* a solution is
-//! finite.
+//! and a point on it in the machine frame with all axes at zero. Tables and heads are in the order from the machine to
+//! the part or to the tool. Points are those of the gauge point of the spindle; a tool is the vector from its tip to
+//! that point with all heads at zero. Facts: reference control-emulator.md 6.8, functions.md 10. *Invariant:* a
+//! solution is finite.
 
 use nalgebra::Vector3;
 

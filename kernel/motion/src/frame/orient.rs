@@ -144,8 +144,9 @@ impl Stand {
 }
 
 impl<A: Copy + PartialEq> Chain<A> {
-    /// The axis that tilts the tool, by which programs choose: of two tables the one next to the machine, otherwise the
-    /// head that is next to the tool (Heidenhain: the first rotary axis from the tool, or the last one from the table).
+    /// The axis that tilts the tool, by which programs choose. Of two tables it is the one next to the machine,
+    /// otherwise the head next to the tool (Heidenhain: the first rotary axis from the tool, or the last one from the
+    /// table).
     pub fn tilting(&self) -> Option<A> {
         self.heads.last().or(self.tables.first()).map(|joint| joint.axis)
     }

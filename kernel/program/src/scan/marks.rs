@@ -91,8 +91,8 @@ impl Scanner {
         found.map(|active| (active, out))
     }
 
-    /// On a line for the pre-processor of another control a skip character divides, unless nothing but the number of
-    /// the block and other marks stand before it.
+    /// In a line for the pre-processor of another control a skip character divides, unless only the number of the block
+    /// and other marks are before it.
     fn divides(&self, line: &[u8], at: usize) -> bool {
         let leads = |byte: &u8| byte.is_ascii_digit() || b" \t/Nn:".contains(byte);
         !line.get(..at).unwrap_or_default().iter().all(leads)

@@ -9,9 +9,9 @@ use super::locks::{PoisonError, spin_loop, yield_now};
 use super::switch::{Pause, Switch};
 use super::{Coordinator, Guard, Slot};
 
-/// Looks at the signal before the processor is given away, where every kernel has a processor: the partner runs, or
-/// continues after its time slice, and a kernel that still spins then loses nothing. Below 500 a machine with other
-/// work takes a job apart now and then, so that its kernels no longer run at the same time.
+/// Checks of the signal before the processor is given away, if every kernel has a processor: the partner runs, or
+/// continues after its time slice, and a kernel that still spins then loses nothing. Below 500, a machine with other
+/// work occasionally separates the kernels of a job, so that they no longer run at the same time.
 pub(super) const TURNS: u32 = if cfg!(all(test, feature = "shuttle")) { 2 } else { 1200 };
 
 /// The same, if there are more kernels than may run at once: a spinning kernel keeps another kernel from running.
@@ -70,8 +70,8 @@ impl Coordinator {
         self.slot(channel).is_some_and(|slot| slot.asleep.load(SeqCst))
     }
 
-    /// Does the work that there is (`true`: with a look at how far the others are) and spins, until the signal comes or
-    /// the patience is over.
+    /// Does pending work (`true`: with a look at the progress of the other kernels) and spins, until the signal comes
+    /// or the patience is over.
     pub(super) fn spin_for_signal(&self, slot: &Slot, seen: u32, mut work: impl FnMut(bool) -> bool) {
         let signalled = || slot.signal.load(SeqCst) != seen;
         for turn in 0..self.spin {
@@ -85,8 +85,8 @@ impl Coordinator {
     }
 
     /// Gives the processor to threads with work (most of all the merger) for a while, until `over`, before the thread
-    /// is put to sleep. Where others want the processors too, a thread that gives way loses a whole time slice, and one
-    /// that sleeps is woken at once: then it sleeps.
+    /// is put to sleep. If other programs also want the processors, a thread that yields loses a whole time slice, and
+    /// one that sleeps is woken at once: then it sleeps.
     fn give_way(&self, over: impl Fn() -> bool) {
         let crowded = self.crowded.load(Relaxed);
         if crowded > 0 {

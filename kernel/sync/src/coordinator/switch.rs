@@ -1,5 +1,5 @@
-//! How a kernel waits for others: on a thread of its own, which sleeps, or as one of several on a thread, which runs
-//! another one meanwhile.
+//! How a kernel waits for others: on a thread of its own, which sleeps, or as one of several kernels on a thread, which
+//! runs another kernel meanwhile.
 //!
 //! Invariant: a kernel that waits holds no lock.
 

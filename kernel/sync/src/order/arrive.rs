@@ -77,8 +77,8 @@ impl Order {
         (after, warning)
     }
 
-    /// A channel that has arrived in motion would stop now: how its wait has ended meanwhile, or the verdict if no wait
-    /// can end any more, and it is blocked.
+    /// A channel that has arrived in motion would stop now. Returns how its wait has ended meanwhile, or the verdict if
+    /// no wait can end any more and the channel is blocked.
     ///
     /// # Errors
     /// The verdict, if there is one.

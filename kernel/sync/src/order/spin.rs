@@ -1,11 +1,11 @@
 //! Channels in loops that only read shared data.
 //!
-//! Every change of shared data raises a counter. A pass that begins and ends at the same counter, and with the same
+//! Every change of shared data raises a counter. A pass that starts and ends at the same counter, and with the same
 //! state of its own channel, repeats indefinitely unless another channel changes something. A kernel in such a loop
-//! rests until another one changes something, waits or ends, and continues at the start of the first pass after that.
-//! *Invariants:* passes and changes come in tag order, so only simulated time decides when a kernel rests, when it
-//! continues, and when no kernel is left to change anything; a resting kernel has seen everything before its next pass.
-//! Facts: reference channel-synchronisation.md 2.4.
+//! rests until another channel changes something, waits or ends. It continues at the start of the first pass after
+//! that. *Invariants:* passes and changes come in tag order. So only simulated time decides when a kernel rests, when
+//! it continues, and when no kernel is left to change anything. A resting kernel has seen all changes before its next
+//! pass. Facts: reference channel-synchronisation.md 2.4.
 
 use std::sync::Arc;
 

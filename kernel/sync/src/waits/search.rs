@@ -1,5 +1,5 @@
-//! The fix-point against a search of everything that could still happen: a channel is dead exactly if no sequence of
-//! operations of those that run, and of those that they release, ends its wait.
+//! Compares the fix-point with a search of all possible futures: a channel is dead exactly if no sequence of
+//! operations, of the running channels and of those that they release, ends its wait.
 
 use std::collections::HashSet;
 

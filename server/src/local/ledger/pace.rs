@@ -1,9 +1,9 @@
 //! Pauses between commits that hold operations of a busy tenant only, while another tenant has operations, too.
 //!
 //! An operation that comes during a commit waits for the end of that commit, so a tenant that keeps the ledger busy all
-//! the time delays all tenants. Its operations are gathered instead and written together. *Invariants:* a tenant alone
-//! is never paced; neither is one that has no more than twice as many operations as another; a pause ends at once when
-//! an operation of such a tenant comes.
+//! the time would delay all tenants. Its operations are gathered instead and written together. *Invariants:* a tenant
+//! alone is never paced; neither is one that has no more than twice as many operations as another; a pause ends at once
+//! when an operation of such a tenant comes.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};

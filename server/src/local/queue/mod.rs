@@ -1,8 +1,8 @@
 //! The queue in memory: a server that starts fills it from its ledger.
 //!
 //! Tenants take turns as in deficit round robin: at its turn a tenant gets a quantum of time, it starts jobs while it
-//! has credit, and each run is charged with the time that it took. Invariants: a tenant with jobs in its line stands in
-//! the ring exactly once; a question about a job's place costs the logarithm of the line's length, and a step a tenant.
+//! has credit, and each run is charged with the time that it took. Invariants: a tenant with jobs in its line is in the
+//! ring exactly once; a question about a job's place costs the logarithm of the line's length, and one step per tenant.
 
 mod line;
 mod places;

@@ -193,8 +193,8 @@ fn a_tenant_has_no_more_workers_than_its_quota() {
     assert_eq!((queue.next(4, now).as_deref(), queue.next(4, now)), (Some("a0"), None));
 }
 
-/// A tenant submits one job after the other beside ten thousand of another: its share of the starts is the half that it
-/// would have beside a tenant like itself, within a tenth.
+/// A tenant submits one job after the other beside ten thousand jobs of another tenant. Its share of the starts is
+/// half, within a tenth, as beside a tenant like itself.
 #[test]
 fn a_tenant_beside_ten_thousand_jobs_of_another_has_its_share_of_the_starts() {
     const STARTS: usize = 400;

@@ -1,9 +1,9 @@
 //! Where compensation begins and ends: around the end of a contour (KONT), and in which plane (CUT2DF).
 //!
 //! Facts: function manual W1, chapter "approach and retraction behaviour": the tangent of the contour at its end
-//! divides the plane. Where the point is after it, the line to it touches the circle of the tool's radius about the
-//! end, and the tool goes around as at an outside corner. *Invariant:* in front of the contour nothing here changes the
-//! way.
+//! divides the plane. If the point is behind this tangent, the line to the point touches the circle of the tool's
+//! radius about the end, and the tool goes around as at an outside corner. *Invariant:* in front of the contour nothing
+//! here changes the path.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

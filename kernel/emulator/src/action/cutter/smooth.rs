@@ -1,5 +1,5 @@
-//! Soft approach to a contour and retraction from it: a line or a part of a circle that touches the contour, and the
-//! way between it and the tool.
+//! Soft approach to a contour and retraction from it: a line or a part of a circle that is tangent to the contour, and
+//! the path between it and the tool.
 //!
 //! P0 is the position from which the tool comes, P1 above P3 at the height of P0, P2 the end of the quick descent, P3
 //! the start of the line or circle, P4 the contour; the path from the contour goes through them backwards. Facts:

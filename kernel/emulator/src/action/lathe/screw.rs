@@ -1,8 +1,8 @@
 //! Threads along a contour with a name (Okuma G88): the passes that came before its code.
 //!
-//! Facts: reference okuma-osp.md 4. The tool goes at rapid to the beginning of the contour, along it first and then
-//! across, cuts each piece at its lead, and goes back across and along to where it was. *Invariant:* all pieces are
-//! threads; a pass is the contour moved towards the side from where the tool came.
+//! Facts: reference okuma-osp.md 4. The tool goes at rapid to the start of the contour, along it first and then across.
+//! It cuts each piece at its lead, and returns across and along to its previous position. *Invariant:* all pieces are
+//! threads; a pass is the contour moved towards the side from which the tool came.
 
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::element::{Element, Spot};

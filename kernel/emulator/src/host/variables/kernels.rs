@@ -1,5 +1,5 @@
-//! Which input file each kernel gets: `$MCEMCD`, `$MCEINP`, `$MFIKER`, the names of the files, `$MFINAM`, and
-//! the channels of the model that kernels and their files start on, `$MCECHN`, `$MFICHN`, `$VMCHN`.
+//! Assignment of input files to kernels: `$MCEMCD`, `$MCEINP`, `$MFIKER`, the names of the files, `$MFINAM`, and the
+//! channels of the model on which kernels and their files start, `$MCECHN`, `$MFICHN`, `$VMCHN`.
 //!
 //! *Invariant:* there is one truth, the program of each kernel; an index of a file is another way to say it, so that
 //! the later assignment wins. Facts: reference system-variables.md 17.

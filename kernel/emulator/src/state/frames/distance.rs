@@ -16,8 +16,8 @@ impl Channel<'_> {
         out
     }
 
-    /// The changes that a feed counts: a degree as a unit of length of the program (Fanuc B-63174EN/03 4.2), unless
-    /// degrees are ways along the part or its tip, or the control counts certain axes only.
+    /// The changes that count for a feed. A degree counts as a unit of length of the program (Fanuc B-63174EN/03 4.2),
+    /// unless degrees are distances along the part or its tip, or the control counts certain axes only.
     pub(crate) fn feed_ways(&self, changes: &Position) -> Position {
         if let Some(group) = self.state.place.feed_group.as_deref() {
             return self.ways_of_group(group, changes);

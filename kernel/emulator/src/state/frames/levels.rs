@@ -15,8 +15,8 @@ pub(crate) struct Levels {
 }
 
 impl Channel<'_> {
-    /// The level at which a cycle begins. A change of the tool's length that has not been travelled yet is travelled on
-    /// the way to its hole, where the control moves axes by such changes.
+    /// The level at which a cycle starts. Where the control moves axes by changes of the tool length, a pending change
+    /// is travelled on the way to the hole.
     pub(crate) fn cycle_level(&self, axis: AxisSlot) -> f64 {
         let from = if self.env.machine.compensation.length.moves { self.counted() } else { self.programmed() };
         from.at(axis)

@@ -1,10 +1,9 @@
 //! Changes of frames that incremental words travel.
 //!
-//! On some controls an incremental word counts from the value that its axis was programmed to, not from where the axis
-//! is: after a change of the frame, of the work offset or of the tool length the change is travelled with it
-//! (Siemens SD42440 and SD42442). The keys are `[control] frame_increments` and `[compensation]
-//! length_change`. Invariants: an absolute word cancels the
-//! pending change of its axis; axes without a word keep it.
+//! On some controls an incremental word counts from the programmed value of its axis, not from the position of the
+//! axis. After a change of the frame, of the work offset or of the tool length the change is then travelled with the
+//! word (Siemens SD42440 and SD42442). The keys are `[control] frame_increments` and `[compensation] length_change`.
+//! Invariants: an absolute word cancels the pending change of its axis; axes without a word keep it.
 
 use super::NOISE;
 use crate::state::channel::Channel;

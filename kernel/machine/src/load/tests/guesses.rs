@@ -129,8 +129,8 @@ fn programs_show_what_they_are_for() {
     }
 }
 
-/// A comment in the form of the control, with any text, a file in capitals or with other ends of lines, block skip and
-/// numbers of blocks change no guess.
+/// No guess changes by a comment in the form of the control with any text, by a file in capitals or with other line
+/// ends, by block skip or by block numbers.
 #[test]
 fn comments_and_numbers_never_change_a_guess() {
     let texts = [
