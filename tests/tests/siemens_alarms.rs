@@ -22,6 +22,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("10860", MILL, "G1 X5"),
     ("12000", MILL, "G0 X5 X6"),
     ("12000", MILL, "G1 X5 F100 F200"),
+    ("12010", MILL, "T1 T2"),
     ("12060", MILL, "G0 G1 X5 F100"),
     ("12080", MILL, "R1=5+"),
     ("12170", MILL, "DEF INT A\nDEF REAL A"),
@@ -41,6 +42,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("14500", MILL, "G0 X1\nDEF REAL A"),
     ("14500", MILL, "G0 X5 DEF INT I"),
     ("14750", MILL, "M7 M8 M9 M10 M11 M12 G0 X1"),
+    ("14750", MILL, "H1=1 H2=2 H3=3 H4=4"),
     ("14900", MILL, "F100\nG2 X10 Y0 I5 J0 CR=5"),
     ("14900", MILL, "F100\nG2 X10 Y0 I5 J0 AR=180"),
     ("14910", MILL, "F100\nG2 I5 J0 AR=400"),
@@ -57,6 +59,7 @@ const CASES: &[(&str, &str, &str)] = &[
 /// Permitted words that are close to an alarm.
 const ALLOWED: &[(&str, &str)] = &[
     (MILL, "$TC_DP6[1,1]=5\nT1 M6\nG0 X0 Y0\nG41 G1 X5 Y0 F100\nX10\nM8\nM9\nM8\nY30\nG40 X20"),
+    (MILL, "H1=5 H2=6\nH1=5 H2=6 H3=7 M7 M8 M9 M10 M11"),
     (MILL, "DEF INT A\n; comment\nN10 DEF REAL B=2 ; second\nG0 X=B"),
     (MILL, "M7 M8 M9 M10 M11 G0 X1"),
     (MILL, "F100\nG2 I5 J0 Z-2 AR=180"),

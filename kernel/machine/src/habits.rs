@@ -40,6 +40,8 @@ pub struct Habits {
     pub loops: Option<u8>,
     /// THEN takes one statement; otherwise a list of assignments too.
     pub one_then: bool,
+    /// THEN takes only a macro statement; otherwise any block.
+    pub macro_then: bool,
     /// Sequence and program numbers are digits; otherwise they may be expressions.
     pub digits_of_numbers: bool,
     /// Angle of a rotation whose block has none.
@@ -175,6 +177,7 @@ impl Default for Habits {
             bare_conditions: false,
             loops: None,
             one_then: false,
+            macro_then: false,
             digits_of_numbers: false,
             rotation_angle: None,
             scale_factor: None,

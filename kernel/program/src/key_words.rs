@@ -32,6 +32,8 @@ pub struct Formulas {
     pub loops: Option<u8>,
     /// THEN takes one statement.
     pub one_then: bool,
+    /// THEN takes only a macro statement.
+    pub macro_then: bool,
     /// Sequence and program numbers are digits.
     pub digits_of_numbers: bool,
 }

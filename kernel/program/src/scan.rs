@@ -95,6 +95,7 @@ impl Scanner {
                 full_angles: machine.habits.full_angles,
                 loops: machine.habits.loops,
                 one_then: machine.habits.one_then,
+                macro_then: machine.habits.macro_then,
                 digits_of_numbers: machine.habits.digits_of_numbers,
             },
             letters,

@@ -3,7 +3,7 @@
 use super::control::{KEY_WORDS, STATEMENTS};
 use super::cursor::{Error, NESTING, Parser};
 use super::expr::{Expr, variable_index};
-use super::statement::{Line, Statement, Target};
+use super::statement::{Line, Name, Statement, Target, TemplateWord};
 use crate::statement::Shared;
 use counterpoint_program::key_words::{Names, key_word};
 
@@ -110,6 +110,10 @@ impl Parser<'_> {
             self.at = start;
             return Err(self.error("one statement after THEN"));
         }
+        if self.names.formulas.macro_then && matches!(&inner, Statement::Words(words) if !calls_macro(words)) {
+            self.at = start;
+            return Err(self.error("a macro statement after THEN; jump over the block with IF GOTO instead"));
+        }
         self.depth -= 1;
         Ok(Statement::IfThen(condition, Box::new(inner)))
     }
@@ -164,6 +168,14 @@ impl Parser<'_> {
         }
         Ok(Statement::Assign(list))
     }
+}
+
+/// The words of a macro call, which is a macro statement.
+fn calls_macro(words: &[TemplateWord]) -> bool {
+    words.iter().any(|word| {
+        word.name == Name::Letter(b'G')
+            && word.value.as_constant().is_some_and(|&code| super::call::macro_call(code).is_some())
+    })
 }
 
 #[cfg(test)]

@@ -78,10 +78,14 @@ impl Kernel<'_> {
         if rows.any(|row| row.ignores.contains(&register)) || self.belongs_to_dropped_cycle(register) {
             return;
         }
+        let rows = machine.tables.data_of(register);
+        // Several words that all go elsewhere (H functions of Siemens) do not replace each other.
+        if !rows.is_empty() && rows.iter().all(|&row| self.plan.data.ignore[row]) {
+            return;
+        }
         if let Some(last) = self.again(register, position) {
             return self.word_twice(span, last);
         }
-        let rows = machine.tables.data_of(register);
         let (feed, _) = feed_of(self.channel.state.modal.code(group::FEED));
         let mut known = false;
         let (mut axis, mut direction) = (false, false);

@@ -48,8 +48,10 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     let conditions = [("then", false), ("bare", true)];
     habits.bare_conditions = section.choice("conditions", &conditions).unwrap_or(habits.bare_conditions);
     habits.loops = section.integer("loops", 1..=127).map(|loops| loops as u8);
-    let statements = [("several", false), ("one", true)];
-    habits.one_then = section.choice("then", &statements).unwrap_or(habits.one_then);
+    let statements = [("several", (false, false)), ("one", (true, false)), ("macro", (true, true))];
+    if let Some(statements) = section.choice("then", &statements) {
+        (habits.one_then, habits.macro_then) = statements;
+    }
     let numbers = [("values", false), ("digits", true)];
     habits.digits_of_numbers = section.choice("sequence_numbers", &numbers).unwrap_or(habits.digits_of_numbers);
     habits.rotation_angle = section.number("rotation_angle");
