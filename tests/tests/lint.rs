@@ -76,7 +76,7 @@ fn what_only_a_run_can_tell_is_said_with_its_line() {
     for (program, line, says) in [
         ("O1\nIF [#500 EQ 1] GOTO 10\nM101\nN10 M102\nM30\n", 2, "line 3"),
         ("O1\nIF [#500 EQ 1] GOTO 10\nM30\nN10 M102\nM30\n", 2, "line 3"),
-        ("O1\nIF [#500 EQ 1] THEN M101\nM30\n", 2, "condition"),
+        ("O1\nIF [#500 EQ 1] THEN G65 P20\nM30\nO20\nM101\nM99\n", 2, "condition"),
         ("O1\nIF [#500 EQ 1] GOTO 10\nM98 P20\nN10 M30\nO20\nM98 P21\nM99\nO21\nM101\nM99\n", 2, "line 3"),
         ("O1\nWHILE [#1 LT 5] DO1\n#1=#1+1\nM101\nEND1\nM30\n", 2, "line 4"),
         ("O1\nN10 M101\n#1=#1+1\nIF [#1 LT 5] GOTO 10\nM30\n", 4, "line 2"),

@@ -82,13 +82,13 @@ fn too_many(act: &mut Act<'_, '_>, most: u32) {
     act.diagnose(&diag::EMPTY_BLOCKS, text);
 }
 
-/// A code in a block without a move, after that of a corner, and no dwell.
+/// A code in a block without a move, after that of a corner, and neither a dwell nor a call.
 fn parts_corner(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> bool {
     let (blocks, moves) = (act.at.blocks, act.has_motion_word());
     let due = act.cutter().filter(|cutter| cutter.is_due());
     let before = due.and_then(|cutter| cutter.waiting.last()).is_some_and(|last| last.block != blocks);
-    let dwells = matches!(code, codes::DELAY | codes::DELAY_REV);
-    before && !moves && !dwells && matches!(contour, Contour::Waits | Contour::Commands)
+    let looked_through = matches!(code, codes::DELAY | codes::DELAY_REV) || leads_on(code);
+    before && !moves && !looked_through && matches!(contour, Contour::Waits | Contour::Commands)
 }
 
 impl Act<'_, '_> {

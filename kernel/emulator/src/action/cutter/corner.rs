@@ -46,9 +46,11 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
     true
 }
 
-/// Effect of an action on corners: moves along the contour may wait, any other action ends the waiting.
+/// Effect of an action on corners: moves along the contour may wait, also while a spindle that only this channel uses is
+/// commanded; any other action ends the waiting.
 pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
     let rounds = act.state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
+    let shared = act.state.spindle.shared;
     if let Some(cutter) = act.cutter().filter(|cutter| cutter.plain) {
         let axes = cutter.axes;
         let stays = match contour {
@@ -56,7 +58,8 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
             Contour::Follows => {
                 !act.block.flags.machine_frame && compensated_plane(act).is_some_and(|(_, active)| active == axes)
             }
-            Contour::Commands | Contour::Leaves | Contour::Ends => false,
+            Contour::Commands => !shared,
+            Contour::Leaves | Contour::Ends => false,
         };
         if !stays {
             act.flush_lookahead()?;
