@@ -55,7 +55,8 @@ fn unit_codes(machine: &Machine) -> Vec<f64> {
     numbers
 }
 
-/// Whether most coordinates have four digits after the point, none is large, and no code names a unit.
+/// Whether most coordinates have four digits after the point, none is large, and no code names a unit. Programs with rotary
+/// axes or directions (A3=) never do: their posts write four digits in millimetres, too, for the sake of the angles.
 fn looks_like_inches(text: &[u8], names: &[f64]) -> bool {
     let (mut coordinates, mut fine) = (0_usize, 0_usize);
     for line in text.split(|byte| *byte == b'\n') {
@@ -66,6 +67,7 @@ fn looks_like_inches(text: &[u8], names: &[f64]) -> bool {
                 b'G' if names.contains(&value) => return false,
                 b'X' | b'Y' | b'Z' if value > LARGEST.0 => return false,
                 b'F' if value > LARGEST.1 => return false,
+                b'A' | b'B' | b'C' => return false,
                 b'X' | b'Y' | b'Z' if number.contains('.') => {
                     coordinates += 1;
                     fine += usize::from(decimals == 4);
@@ -86,6 +88,8 @@ fn words(line: &[u8]) -> impl Iterator<Item = (u8, &str)> {
             rest = after;
             match byte.to_ascii_uppercase() {
                 b';' => rest = &[],
+                // Letter of a corner (,C).
+                b',' => rest = after.get(1..).unwrap_or_default(),
                 b'(' => {
                     rest = after.iter().position(|b| *b == b')').and_then(|at| after.get(at + 1..)).unwrap_or_default()
                 }
@@ -122,5 +126,14 @@ mod tests {
         }
         assert!(!looks(&contour.replace("875", "87").replace("625", "62")));
         assert!(!looks("G1 X1.1875 Y1.0625\n"));
+    }
+
+    #[test]
+    fn programs_with_angles_and_directions_do_not() {
+        let contour: String = (0..8).map(|n| format!("G1 X{n}.1875 Y-0.{n}625 F12.\n")).collect();
+        for turned in ["G0 A-10.1234 C20.1234\n", "G1 A3=0.1234 B3=0.2345 C3=0.9567\n", "G0 B90.\n"] {
+            assert!(!looks(&format!("{contour}{turned}")), "{turned}");
+        }
+        assert!(looks(&format!("{contour}G1 X2.5,C.0625\nX3. ,R.1\n")));
     }
 }
