@@ -1,7 +1,7 @@
 //! docs/tutorial-control.md is true: its files are written and its commands are run from top to bottom.
 //!
 //! Fences of the page: a language and a file name write a file (`more` at its end, `first` at its beginning, `after
-//! KEY` after the line of a key), and the name stands in bold above the fence; `console` holds commands after `$`, each
+//! KEY` after the line of a key), and the name is in bold above the fence; `console` holds commands after `$`, each
 //! with its output, standard output first. The resulting folder is the shipped machine, and the programs are those of
 //! the examples.
 

@@ -84,7 +84,7 @@ impl Client {
         self.0.blobs()
     }
 
-    /// Accepted by the server and on its disk when this returns. A lost answer is asked for again, with the same
+    /// Accepted by the server and on its disk when this returns. A lost answer is requested again, with the same
     /// request id: the job is accepted once.
     ///
     /// # Errors

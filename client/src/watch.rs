@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::v1;
 use crate::v1::watch_job_response::Content;
 
-/// Heartbeat that is asked for unless the caller chooses another.
+/// Heartbeat that is requested unless the caller chooses another.
 const HEARTBEAT: Duration = Duration::from_secs(5);
 /// Beyond two heartbeats, how long a silent stream counts as alive.
 const SILENCE: Duration = Duration::from_secs(10);

@@ -14,7 +14,7 @@ use crate::connection::Connection;
 use crate::error::Error;
 use crate::v1;
 
-/// Heartbeat that is asked for.
+/// Heartbeat that is requested.
 const HEARTBEAT: Duration = Duration::from_secs(5);
 /// How long a silent stream counts as alive.
 const PATIENCE: Duration = Duration::from_secs(20);

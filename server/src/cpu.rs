@@ -1,6 +1,7 @@
 //! Processor time and priority of threads, and the cores they share.
 //!
-//! Invariant: the clock of a thread never goes back and stands still while the thread waits, where the system can tell.
+//! Invariant: the clock of a thread never goes back and stops while the thread waits, where the system can
+//! tell.
 
 use std::num::NonZero;
 use std::sync::OnceLock;

@@ -37,7 +37,7 @@ impl fmt::Display for Damage {
     }
 }
 
-/// Examines the folder of a stopped server and repairs it if asked to. Gives every damage.
+/// Examines the folder of a stopped server and repairs it if asked to. Returns every damage.
 ///
 /// # Errors
 /// When the folder cannot be examined: it is not there, a server uses it, or it cannot be read or written.

@@ -1,9 +1,9 @@
 //! The server of Counterpoint: accepts jobs over gRPC, keeps them durably, runs them on the control emulator and
 //! serves their event logs and results.
 //!
-//! Shape: [`options::Options`] → [`service::build`] → [`service::Service::run`] with a cheap
-//! [`service::Handle`]. Invariants: a submit answers only after the job is on stable storage; a watcher reads the
-//! log and never stands between a kernel and its log; nothing here knows how a block is processed.
+//! Shape: [`options::Options`] → [`service::build`] → [`service::Service::run`] with a cheap [`service::Handle`].
+//! Invariants: a submit answers only after the job is on stable storage; a watcher reads the log and never is between a
+//! kernel and its log; nothing here knows how a block is processed.
 
 pub mod access;
 pub mod backup;

@@ -124,7 +124,7 @@ pub enum Refusal {
     /// Too many uploads are under way.
     #[error("too many uploads are under way (max_uploads, max_uploads_per_connection)")]
     TooManyUploads,
-    /// An upload stands still.
+    /// An upload makes no progress.
     #[error("no chunk of the upload came for {0} s (upload_stall_s)")]
     UploadStalled(u64),
     /// The files of a machine have too many bytes.

@@ -27,10 +27,10 @@ pub struct Task {
 
 /// Prepares jobs.
 pub trait Runner: Send + Sync + 'static {
-    /// Loads programs and assigns them to channels, unless `stop` is asked for.
+    /// Loads programs and assigns them to channels, unless `stop` is requested.
     ///
     /// # Errors
-    /// Every reason why the job cannot run; when `stop` was asked for, that it was.
+    /// Every reason why the job cannot run; when `stop` was requested, that it was.
     fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>>;
 }
 

@@ -299,7 +299,7 @@ impl Service {
     }
 }
 
-/// Asks for the drain, unless more was asked for.
+/// Asks for the drain, unless more was requested.
 fn begin(stop: &tokio::sync::watch::Sender<Stop>) {
     stop.send_modify(|stop| *stop = (*stop).max(Stop::Drain));
 }

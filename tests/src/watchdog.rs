@@ -21,7 +21,7 @@ const IDLE_TICKS: u64 = 10;
 /// Runs `job` under watch.
 ///
 /// # Panics
-/// When the job panics. A job that stands still ends the process.
+/// When the job panics. A hung job ends the process.
 pub fn watched<R>(control: &Control, job: impl FnOnce() -> R) -> R {
     let (done, ended) = channel::<()>();
     std::thread::scope(|scope| {

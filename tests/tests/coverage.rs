@@ -74,7 +74,7 @@ fn names(pattern: &str) -> Vec<String> {
     joined.map(|rest| format!("{}{rest}", &pattern[..at])).collect()
 }
 
-/// A name stands in a text, not only as the beginning of a longer one.
+/// A name is in a text, not only as the beginning of a longer one.
 fn mentions(text: &str, name: &str) -> bool {
     text.match_indices(name).any(|(at, _)| {
         let next = text[at + name.len()..].chars().next();

@@ -6,7 +6,7 @@ use counterpoint_kernel::options::Options;
 use counterpoint_tests::processors::{PLACES, at};
 use counterpoint_tests::{Work, machine};
 
-/// Runs a job `rounds` times at every place with every number of threads; all logs are equal. Gives the digest.
+/// Runs a job `rounds` times at every place with every number of threads; all logs are equal. Returns the digest.
 fn everywhere(name: &str, work: &Work, rounds: usize) -> String {
     let mut digests = Vec::new();
     for place in PLACES {

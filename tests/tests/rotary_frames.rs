@@ -40,7 +40,7 @@ impl Line {
     }
 }
 
-/// The parts of a frame that stands beside X, Y and Z, for controls that set them one by one.
+/// The parts of a frame that is beside X, Y and Z, for controls that set them one by one.
 #[derive(Debug, Clone, Copy)]
 struct Parts {
     factor: f64,

@@ -29,7 +29,7 @@ impl std::fmt::Display for Threshold {
     }
 }
 
-/// All thresholds that were asked for.
+/// All thresholds that were requested.
 pub(super) fn thresholds(asked: &Thresholds, measured: &Measured, growth: &[Growth]) -> Vec<Threshold> {
     let seconds = measured.seconds_measured();
     let p99 = |stretch| measured.times(stretch).and_then(|times| times.ms(0.99));

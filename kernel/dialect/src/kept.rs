@@ -27,7 +27,7 @@ type Key = (FileId, u32);
 #[derive(Debug)]
 pub(crate) struct Kept<L> {
     lines: FxHashMap<Key, Arc<L>>,
-    /// Those that were asked for last, each at the place that its number gives it; none where it is not kept, or taken.
+    /// Those that were requested last, each at the place that its number gives it; none where it is not kept, or taken.
     at_hand: Box<[Option<Arc<L>>; AT_HAND]>,
     /// The key requested at each place.
     keys: Box<[Key; AT_HAND]>,
@@ -132,7 +132,7 @@ pub(super) trait Table {
 #[derive(Debug)]
 pub(super) struct Tables<K, T> {
     tables: FxHashMap<K, Arc<T>>,
-    /// The one that was asked for last.
+    /// The one that was requested last.
     at_hand: Option<(K, Arc<T>)>,
     bytes: usize,
 }

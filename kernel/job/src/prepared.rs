@@ -66,7 +66,7 @@ impl Job {
         Self::prepare_until(spec, files, &Stop::default())
     }
 
-    /// The same, unless `stop` is asked for: programs may be long. The job is run by a control with that `stop`.
+    /// The same, unless `stop` is requested: programs may be long. The job is run by a control with that `stop`.
     ///
     /// # Errors
     /// Those of [`prepare`](Self::prepare), and that it was asked to end.

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 /// Gives the name of the tables for one that may be spelled otherwise.
 pub type Spelling = fn(&str) -> Option<&'static str>;
 
-/// The identifiers that exist: those of a list, or any that are asked for.
+/// The identifiers that exist: those of a list, or any that are requested.
 #[derive(Debug, Default)]
 pub(crate) struct Identifiers {
     names: RefCell<Vec<String>>,

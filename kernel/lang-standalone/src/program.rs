@@ -151,7 +151,7 @@ impl NcProgram {
         })
     }
 
-    /// `$FGET`, `$FGETR`; the block read last is not looked at unless it is asked for.
+    /// `$FGET`, `$FGETR`; the block read last is not looked at unless it is requested.
     pub(crate) fn search(
         &self,
         system: &mut SystemTable,

@@ -79,7 +79,7 @@ pub struct Program {
     pub globals: Vec<String>,
     pub(crate) functions: FxHashMap<String, FunctionSymbol>,
     pub(crate) shared: FxHashMap<String, SharedSymbol>,
-    /// Files that were included, by the name they were asked for.
+    /// Files that were included, by the requested name.
     pub(crate) included: Vec<(String, Option<Arc<Source>>)>,
     /// Its source files, in order, without included files.
     pub(crate) sources: Vec<(Arc<Source>, Options)>,

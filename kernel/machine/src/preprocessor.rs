@@ -19,7 +19,7 @@ pub struct Row {
     pub wait_statements: bool,
     /// Such statements have keywords in brackets.
     pub wait_keys: bool,
-    /// The rewind-stop begins or ends names of programs, so no other text stands beside it.
+    /// The rewind-stop begins or ends names of programs, so no other text is beside it.
     pub named_stops: bool,
     /// Its variables of the machine's PLC are rows of `[[external]]`.
     pub external_variables: bool,

@@ -1,7 +1,7 @@
 //! Letters of engravings: single strokes of straight lines, in a fixed width.
 //!
 //! No source has the letters of a control; these are ours. A capital is as high as 1, a letter is as wide as [`WIDTH`];
-//! letters stand on the line of Y 0, and g, j, p, q, y, commas and the underscore go below it. *Invariant:* every
+//! letters are on the line of Y 0, and g, j, p, q, y, commas and the underscore go below it. *Invariant:* every
 //! printable ASCII character has its strokes, a blank has none.
 
 use crate::contour::element::Spot;

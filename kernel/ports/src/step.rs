@@ -191,9 +191,9 @@ pub type Common<'c> = dyn FnMut() -> Vec<(String, Value)> + 'c;
 
 /// Requests of the kernels of a job with stepping.
 pub trait Stepper: Sync {
-    /// A kernel stands before a block; `true`: it begins the block at once without giving the run away, since nothing
-    /// stops the run there. `first`: no other kernel is further behind. Variables are asked for if they may be others
-    /// than the last time.
+    /// A kernel is before a block; `true`: it begins the block at once without giving the run away, since nothing stops
+    /// the run there. `first`: no other kernel is further behind. Variables are requested if they may be others than
+    /// the last time.
     fn stands(&self, place: &Seen, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool;
 
     /// Something within a block may stop the run.

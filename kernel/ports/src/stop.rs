@@ -33,7 +33,7 @@ impl Stop {
         self.wake();
     }
 
-    /// Whether the end was asked for.
+    /// Whether the end was requested.
     #[must_use]
     #[inline(always)]
     pub fn asked(&self) -> bool {

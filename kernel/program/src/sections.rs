@@ -115,7 +115,7 @@ fn by_marks(machine: &Machine, source: &Source) -> Vec<Section> {
     found
 }
 
-/// Stretches of the main program by head, in order; none if no code of a head stands in it.
+/// Stretches of the main program by head, in order; none if no code of a head is in it.
 fn by_heads(machine: &Machine, source: &Source) -> Vec<Section> {
     let Some(range) = mains(source, &Callers::of(machine, source.syntax())).first().copied() else { return Vec::new() };
     let mut found: Vec<Section> = Vec::new();

@@ -85,7 +85,7 @@ impl Shape {
         is_rewind_stop(&self.rws, self.rws_inline, line)
     }
 
-    /// Something stands in a line besides blanks, comments and a rewind-stop.
+    /// Something is in a line besides blanks, comments and a rewind-stop.
     pub(super) fn has_text(&self, line: &[u8]) -> bool {
         let blank = |byte: &u8| byte.is_ascii_whitespace() || Some(*byte) == self.eob;
         let header = self.syntax.named_programs.is_some_and(|names| (names.is_header)(line));

@@ -34,7 +34,7 @@ pub struct Source {
     stop: Stop,
     programs: OnceLock<Vec<Range>>,
     sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
-    /// Whether a byte comes up in the text, by byte: [`UNKNOWN`] until it is asked for.
+    /// Whether a byte comes up in the text, by byte: [`UNKNOWN`] until it is requested.
     has: [AtomicU8; 256],
     /// Findings of one tape editor about the whole text, and its number.
     tape: OnceLock<(u64, Rules)>,
@@ -164,7 +164,7 @@ impl Source {
         self.shape.words(self.line(line))
     }
 
-    /// Something stands in a line besides blanks, comments and a rewind-stop.
+    /// Something is in a line besides blanks, comments and a rewind-stop.
     pub fn has_text(&self, line: u32) -> bool {
         self.shape.has_text(self.line(line))
     }

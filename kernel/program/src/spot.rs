@@ -2,7 +2,7 @@
 //!
 //! Invariant: a mark inside a comment, a message or embedded code ends no block.
 
-/// The first byte of a block. Ordered as blocks stand in their file.
+/// The first byte of a block. Ordered as blocks are in their file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Spot {
     /// Line, from 1.

@@ -258,7 +258,7 @@ impl Order {
         self.seat(channel)?.wake.take()
     }
 
-    /// The next turn in order, or the end of all waits that no kernel is left to end. Gives the tag that cannot have
+    /// The next turn in order, or the end of all waits that no kernel is left to end. Returns the tag that cannot have
     /// its turn yet because running kernels may still act before it.
     pub fn settle(&mut self) -> Option<Tag> {
         while self.acting.is_none() {

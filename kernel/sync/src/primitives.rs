@@ -70,7 +70,7 @@ impl Memory {
         matches!(wait.primitive, Primitive::Flag | Primitive::Order)
     }
 
-    /// Channels that are missing for a channel at this wait, which need not stand at it yet.
+    /// Channels that are missing for a channel at this wait, which need not be at it yet.
     #[inline]
     pub(crate) fn missing(&self, channel: u16, wait: &Wait, places: &Places, rules: &Rules) -> Missing {
         let scene = Scene { places, rules };

@@ -53,7 +53,7 @@ pub struct Alone {
     pub master: u16,
     /// Number of the slave axis.
     pub slave: u16,
-    /// Which of both stands still, as the program says.
+    /// Which of both does not move, as the program says.
     pub parking: f64,
     /// It begins, or it ends.
     pub on: bool,

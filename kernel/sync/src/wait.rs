@@ -438,7 +438,7 @@ impl Places {
         self.waiting.iter().flatten()
     }
 
-    /// A channel stands at a wait.
+    /// A channel is at a wait.
     pub(crate) fn stand(&mut self, waiting: Waiting) {
         if let Some(slot) = self.waiting.get_mut(self.channels.index(waiting.tag.channel)) {
             *slot = Some(waiting);

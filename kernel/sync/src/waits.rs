@@ -202,7 +202,7 @@ impl Waits {
         Arrived { warning, ..self.stand(arriving, None) }
     }
 
-    /// A channel stands at a wait that the control accepts. `missing`: who was missing before, if that is known.
+    /// A channel is at a wait that the control accepts. `missing`: who was missing before, if that is known.
     fn stand(&mut self, arriving: Waiting, missing: Option<Missing>) -> Arrived {
         let (wait, tag) = (arriving.wait, arriving.tag);
         let concerns_others = self.memory.arrive(&arriving);
@@ -273,7 +273,7 @@ impl Waits {
         self.memory.moves(channel, key, moved)
     }
 
-    /// The holder of a resource, and the last move of it; none while it stands where the job found it.
+    /// The holder of a resource, and the last move of it; none while it is where the job found it.
     pub fn lease(&self, key: Key) -> (Option<u16>, Option<Moved>) {
         self.memory.lease(key)
     }

@@ -7,7 +7,7 @@ use counterpoint_proto::v1;
 
 use crate::ledger::record::{CONTENT, Cause, Priority, Reached, Reason, Record, State};
 
-/// The description that stands at the head of a log and of a watch.
+/// The description that is at the head of a log and of a watch.
 pub(crate) fn description(info: &Info) -> v1::JobDescription {
     let unit = match info.unit {
         Unit::Mm => v1::LengthUnit::Mm,
@@ -140,7 +140,7 @@ pub(crate) fn options(record: &Record) -> v1::JobOptions {
         time,
         limits,
     } = record.options.clone();
-    // Early rows have the limits that count instead of those that were asked for.
+    // Early rows have the limits that count instead of those that were requested.
     let early = || Some(limits).filter(|_| !record.content.starts_with(CONTENT));
     let limits = record.asked.limits.clone().or_else(early);
     let own = (record.runs.wall_ms, record.runs.max_job_bytes);

@@ -36,7 +36,7 @@ pub(crate) struct Removed {
 /// Changes after a cursor.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Changes {
-    /// Of one tenant, oldest first; a job that has changed several times stands at its last change.
+    /// Of one tenant, oldest first; a job that has changed several times is at its last change.
     pub(crate) changes: Vec<Change>,
     pub(crate) cursor: u64,
 }

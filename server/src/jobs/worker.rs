@@ -348,7 +348,7 @@ fn prepare_with(
     Ok(core.runner.prepare(task, files, stop).map_err(|findings| (Cause::Program, findings)))
 }
 
-/// Bytes of a log from which on results are stored; those of a smaller one are made from it when asked for.
+/// Bytes of a log from which on results are stored; those of a smaller one are made from it on request.
 const RESULTS_FROM: u64 = 1 << 20;
 
 /// Stores the results that take time to make from the log, and keeps all results in memory for a while. `bytes`: of the
@@ -373,7 +373,7 @@ fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Re
 }
 
 /// Stores results that can be made again; returns their bytes. That may take long: when the run is to end meanwhile, it
-/// continues by itself after the end of the job. Results that cannot be stored are made from the log when asked for.
+/// continues by itself after the end of the job. Results that cannot be stored are made from the log on request.
 fn store_results(live: &Live, work: impl FnOnce() -> io::Result<u64> + Send + 'static) -> u64 {
     let (done, stored) = channel();
     let run = live.run();

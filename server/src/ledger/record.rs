@@ -168,9 +168,9 @@ pub struct Runs {
     pub host_failures: u32,
     /// The cause of the last failure; empty = none.
     pub host_failure: String,
-    /// Longest run by the clock that was asked for, ms; 0 = the server's.
+    /// Longest run by the clock that was requested, ms; 0 = the server's.
     pub wall_ms: u64,
-    /// Most bytes of log and files that were asked for; 0 = the server's.
+    /// Most bytes of log and files that were requested; 0 = the server's.
     pub max_job_bytes: u64,
     /// Effect of a limit of the server or of the deadline, as a text; empty = neither stopped the job.
     pub limit: String,
@@ -208,7 +208,7 @@ pub struct Asked {
     /// The signs by which its machine was guessed; empty = the client named it.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub guess: String,
-    /// Limits of the kernel that were asked for, 0 = none; absent = none at all.
+    /// Limits of the kernel that were requested, 0 = none; absent = none at all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
 }

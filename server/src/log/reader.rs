@@ -12,7 +12,7 @@ use prost::Message as _;
 use super::kept::{Input, Kept};
 use super::{FRAME, Frame, MAGIC, RECORD_MAX, decode, encode};
 
-/// Bytes read at once. A client that stands still holds the piece of its last batch.
+/// Bytes read at once. A client that does not read holds the piece of its last batch.
 const PIECE: usize = 24 * 1024;
 
 /// An encoded batch with the numbers it covers.

@@ -1,7 +1,7 @@
 //! gRPC-Web, for programs in browsers: HTTP/1.1 beside HTTP/2, and the questions that browsers ask first (CORS).
 //!
 //! *Invariant:* a page from elsewhere reads an answer only if its origin is among those of the configuration.
-//! Identities are asked for as in every other call: the answer to a question of a browser says nothing about the
+//! Identities are requested as in every other call: the answer to a question of a browser says nothing about the
 //! server.
 
 use http::header::{

@@ -68,7 +68,7 @@ pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobReque
     check_request_id(&request.request_id)?;
     let request_id = std::mem::take(&mut request.request_id);
     let content = format!("{CONTENT}{}", digest(&request.encode_to_vec()));
-    // An early row has the limits that counted then instead of those that were asked for.
+    // An early row has the limits that counted then instead of those that were requested.
     let early = || Some(earlier.options.limits.clone()).filter(|_| !earlier.content.starts_with(CONTENT));
     let asked = Asked {
         labels: if request.labels.is_empty() { earlier.asked.labels } else { labels(request.labels)? },
@@ -273,7 +273,7 @@ pub(super) fn answer(answer: v1::DialogAnswer) -> Answer {
     }
 }
 
-/// Limits that were asked for, 0 = not given; none when none was given.
+/// Limits that were requested, 0 = not given; none when none was given.
 fn asked_limits(asked: &v1::JobLimits) -> Result<Option<Limits>, Refusal> {
     if asked.simulated_ns < 0 {
         return Err(Refusal::field("options.limits.simulated_ns", "must not be negative"));

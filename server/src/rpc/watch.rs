@@ -40,7 +40,7 @@ const HEARTBEATS_MS: RangeInclusive<u32> = 100..=60_000;
 const FIRST_PULL: usize = 32 * 1024;
 const PULL: usize = 256 * 1024;
 const PACE: u32 = 8;
-/// Time after which a client that takes nothing stands still.
+/// Time after which a client that takes nothing counts as stalled.
 const STALL: Duration = Duration::from_millis(100);
 /// Messages below this size are padded up to it: receivers count small HTTP/2 frames as a flood.
 pub(super) const SMALLEST: usize = 256;

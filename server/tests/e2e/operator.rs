@@ -152,7 +152,7 @@ async fn a_job_that_is_run_again_has_its_answers() {
     server.stop().await;
 }
 
-/// The job stands at its second question: nothing comes after the event that would take it along.
+/// The job is at its second question: nothing comes after the event that would take it along.
 #[tokio::test]
 async fn an_event_that_comes_alone_reaches_its_watcher() {
     let folder = tempfile::tempdir().unwrap();

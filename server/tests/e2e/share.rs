@@ -134,7 +134,7 @@ async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
         assert_eq!(quiet.wait(&own).await.state(), v1::JobState::Succeeded);
     }
     assert!(waiting(&noisy).await > 0, "ten turns of the one take fewer than the queue of the other");
-    // And the other way round: the jobs of the first continue while the second waits for something.
+    // And in the opposite direction: the jobs of the first continue while the second waits for something.
     server.script.hang.store(true, Ordering::SeqCst);
     for number in 0..2 {
         let own = quiet.submit(&format!("hang-{number}"), LATHE, "HANG").await.unwrap().job_id;
@@ -145,7 +145,7 @@ async fn neither_of_two_identities_slows_sees_or_stops_the_other_under_load() {
     server.stop().await;
 }
 
-/// Times of the first channel of a job as its watch shows them, until they stand still or move as wanted.
+/// Times of the first channel of a job as its watch shows them, until they stop or move as wanted.
 async fn until_it(caller: &As, job: &str, moves: bool) {
     let request = v1::WatchJobRequest { job_id: job.into(), heartbeat_ms: 100, ..Default::default() };
     let mut watch = caller.jobs().watch_job(request).await.unwrap().into_inner();

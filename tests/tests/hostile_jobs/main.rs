@@ -122,7 +122,7 @@ fn every_hostile_job_ends_within_its_limits() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Cancels a job so long after it was asked for; returns the time from there to its end, nothing if it ended before.
+/// Cancels a job so long after it was requested; returns the time from there to its end, nothing if it ended before.
 fn cancelled(case: Case, after: Duration, logged: bool) -> Option<Duration> {
     let control = Arc::new(case.control());
     let (ended, end) = channel();

@@ -145,7 +145,7 @@ pub(crate) fn depart(way: PathShape, (from, heading): (Point, Point), goal: Poin
         }
         PathShape::LineAndCircle => {
             let circle = side.round(from, heading)?;
-            // Seen from the end the same as an approach, the other way round.
+            // Seen from the end the same as an approach, in the opposite direction.
             let touched = touch(goal, circle.center, side.size.abs(), circle.on_left)?;
             let leave = side.on_contour(&circle, touched);
             let arc = Arc { radius: circle.radius_between(from, leave), clockwise: !circle.on_left };

@@ -43,7 +43,7 @@ pub(super) struct Figure {
     pub(super) is_pocket: bool,
 }
 
-/// Where a contour stands.
+/// Place of a contour.
 #[derive(Debug, Clone)]
 pub(super) enum Source {
     Label(FileId, Label),

@@ -66,7 +66,7 @@ pub(super) fn head(cycle: u32) -> Word {
 /// the control.
 const VALUES: [(u32, &str); 2] = [(9, "DWELL"), (13, "ANGLE")];
 
-/// Gives the value of a cycle, which stands at the end, its name.
+/// Gives the value of a cycle, which is at the end, its name.
 fn named(seen: &mut Vec<Seen>, name: &str) {
     if let Some(value) = seen.iter().skip(1).rev().find_map(|word| word.value) {
         seen.truncate(1);

@@ -35,7 +35,7 @@ pub(super) struct Unrolled {
     across: &'static str,
     /// Sense of the axis along the cylinder against that of the rotary axis.
     sense: f64,
-    /// Sense of the axis across, as the tool goes round.
+    /// Sense of the axis across, as the tool goes around.
     round: f64,
     /// Units of the program for a unit of X: more than 1 where X is in degrees.
     scale: f64,
@@ -50,7 +50,7 @@ type Stand = (Spot, Spot);
 #[derive(Debug, Clone)]
 enum Move {
     To(Stand),
-    /// The table stands above a spot, the tool goes round beside it.
+    /// The table is above a spot, the tool goes around beside it.
     Arc(Spot, Element),
 }
 
@@ -130,8 +130,8 @@ fn sampled(element: &Element, beside: f64) -> Vec<(Spot, Spot)> {
     (0..=count).map(at).collect()
 }
 
-/// The tool beside the middle of a way: the table stands at the middle, the tool beside it. `share` is the radius of
-/// the contact as a part of that of the surface.
+/// The tool beside the middle of a way: the table is at the middle, the tool beside it. `share` is the radius of the
+/// contact as a part of that of the surface.
 fn beside_middle(way: &[Element], side: f64, amount: f64, share: f64) -> Vec<Move> {
     let of = |(spot, heading): (Spot, Spot)| {
         let foot = plus(spot, left(heading), -side * amount);
@@ -257,7 +257,7 @@ impl Heidenhain {
             ));
         };
         let [along, across] = if along_first { letters } else { [letters[1], letters[0]] };
-        // The tool goes round right-handed about the axis: along X about Y, against Y about X.
+        // The tool goes around right-handed about the axis: along X about Y, against Y about X.
         let round = if along_first { -sense } else { sense };
         let scale = if self.sl(17) == 0.0 { self.sl(16).to_radians() } else { 1.0 };
         self.cycles.contours.unrolled = Some(Unrolled { rotary, along, across, sense, round, scale, by_name: None });

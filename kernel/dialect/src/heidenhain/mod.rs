@@ -93,7 +93,7 @@ pub(crate) struct Heidenhain {
     variables: Variables,
     path: Path,
     settings: Settings,
-    /// Kind of the call that has been asked for.
+    /// Kind of the call that has been requested.
     calling: Option<flow::Kind>,
     selected: Selected,
     cycles: cycles::Cycles,

@@ -126,7 +126,7 @@ pub(super) struct Step {
     pub(super) shape: Shape,
     pub(super) iso: bool,
     pub(super) seen: Vec<Seen>,
-    /// Line that it stands in.
+    /// Line that it is in.
     pub(super) line: u32,
     /// Number of its block.
     pub(super) number: Option<u32>,

@@ -48,7 +48,7 @@ impl Heidenhain {
 
     /// A mask: `MASK.A / OUT.TXT`.
     pub(super) fn print(&mut self, host: &mut dyn Host, text: &str) -> Result<(), Halt> {
-        // Paths have strokes of their own, the output stands after one between blanks or after the last one.
+        // Paths have strokes of their own, the output is after one between blanks or after the last one.
         let (mask, _) = text.split_once(" /").or_else(|| text.rsplit_once('/')).unwrap_or((text, ""));
         let mask = mask.trim().trim_matches('"');
         let Some((file, _)) = self.find_program(host, mask, false)? else {

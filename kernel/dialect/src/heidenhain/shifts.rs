@@ -101,7 +101,7 @@ impl Shifts {
         }
     }
 
-    /// An axis stands without a value; the mirror is at the datum.
+    /// An axis has no value; the mirror is at the datum.
     fn mirror(&mut self, seen: &mut Vec<Seen>) -> Vec<String> {
         let before = std::mem::take(&mut self.mirrored);
         for word in &mut *seen {

@@ -321,7 +321,7 @@ pub(super) fn target(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     if cursor.is_over() { Ok(target) } else { Err(expected(cursor, "the end of the block")) }
 }
 
-/// Name of a program: a text, a text parameter, or as it stands.
+/// Name of a program: a text, a text parameter, or unchanged text.
 pub(super) fn program_name(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     let mut ahead = cursor.clone();
     if let Some(name) = parameter(&mut ahead)

@@ -65,7 +65,7 @@ impl Heidenhain {
             if word.value.is_none()
                 && let Some(at) = AXES.iter().position(|axis| word.is(axis))
             {
-                // Q109 counts X, Y, Z as 0 to 2, U, V, W as 6 to 8, as the axes stand here.
+                // Q109 counts X, Y, Z as 0 to 2, U, V, W as 6 to 8, as the axes are here.
                 self.variables.control.tool_axis = Some(at);
                 self.path.plane = match at % 3 {
                     0 => [1, 2],

@@ -101,7 +101,7 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
         let first = cursor.bump().map(String::from).unwrap_or_default();
         return Word { operand: operand(cursor, false), name: first.into() };
     }
-    // The parameter that stands directly after a name.
+    // The parameter that is directly after a name.
     for ending in ["QL", "QR", "QS", "Q"] {
         let Some(name) = letters.strip_suffix(ending).filter(|name| !name.is_empty()) else { continue };
         if ahead.next_byte().is_some_and(|byte| byte.is_ascii_digit()) {

@@ -71,7 +71,7 @@ pub trait Programs {
     /// A part of the text of the block.
     fn part(&self, span: (u32, u32)) -> String;
 
-    /// Copies the text of the block with blanks in place of comments and skipped portions. Gives the places of its
+    /// Copies the text of the block with blanks in place of comments and skipped portions. Returns the places of its
     /// messages, which are displayed if `displays`.
     fn strip(&mut self, text: &[u8], displays: bool, into: &mut Vec<u8>) -> Box<[(u32, u32)]>;
 

@@ -98,7 +98,7 @@ impl<'a> Cursor<'a> {
         is
     }
 
-    /// Takes a word of letters, if no further letter stands after it.
+    /// Takes a word of letters, if no further letter is after it.
     pub(super) fn word(&mut self, word: &str) -> bool {
         self.peek();
         let mut ahead = self.clone();

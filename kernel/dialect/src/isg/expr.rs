@@ -244,7 +244,7 @@ impl<'c, 'a> Reader<'c, 'a> {
     }
 }
 
-/// A variable stands here.
+/// A variable is here.
 pub(super) fn is_variable(cursor: &Cursor<'_>) -> bool {
     match (cursor.here(), cursor.ahead(1)) {
         (Some(b'V'), Some(b'.')) => true,

@@ -66,7 +66,7 @@ impl<'a> Cursor<'a> {
         std::str::from_utf8(self.text.get(start..self.at).unwrap_or_default()).unwrap_or("")
     }
 
-    /// Takes a word of letters, if it is the next thing and no further letter stands after it.
+    /// Takes a word of letters, if it is the next thing and no further letter is after it.
     pub(super) fn word(&mut self, word: &str) -> bool {
         self.peek();
         let mut ahead = self.clone();

@@ -74,7 +74,7 @@ impl Grammar for Reader<'_, '_> {
     }
 
     fn takes(&mut self, word: &str) -> bool {
-        // Words of letters may stand close to a number that follows: `EQ5`.
+        // Words of letters may be close to a number that follows: `EQ5`.
         if word.len() == 1 { self.cursor.key_word(word) } else { self.cursor.word(word) }
     }
 

@@ -38,7 +38,7 @@ const REPEATS: f64 = 9999.0;
 pub(super) struct Modal {
     call: host::Call,
     arguments: Arguments,
-    /// Subprograms that were running when it was said.
+    /// Subprograms that were running when it was programmed.
     level: usize,
 }
 

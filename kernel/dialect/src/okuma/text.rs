@@ -26,7 +26,7 @@ pub(super) fn prepare(text: &[u8]) -> Prepared {
     while let Some(start) = memchr::memchr(b'(', plain.get(at..).unwrap_or_default()).map(|found| at + found) {
         let before = plain.get(..start).unwrap_or_default();
         if memchr::memchr_iter(b'\'', before).count() % 2 == 1 && memchr::memchr(b'=', before).is_some() {
-            // It stands in a text.
+            // It is in a text.
             at = start + 1;
             continue;
         }

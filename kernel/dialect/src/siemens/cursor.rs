@@ -1,6 +1,6 @@
 //! A place in the text of a block, and the small pieces that are read there.
 //!
-//! Invariant: the place moves forward only, and always stands between two characters of the text.
+//! Invariant: the place moves forward only, and is always between two characters of the text.
 
 /// A place in a text.
 #[derive(Debug, Clone)]

@@ -167,7 +167,7 @@ impl Siemens {
         Ok(if whole && lines > 0 { range(1, last) } else { None })
     }
 
-    /// Reads the definition files that a macro has asked for.
+    /// Reads the definition files that a macro has requested.
     pub(super) fn definition_files(&mut self, host: &mut dyn Host) -> Outcome<()> {
         let asked = std::mem::take(&mut self.settings.definitions);
         if asked.is_empty() {

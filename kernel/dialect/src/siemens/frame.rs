@@ -247,7 +247,7 @@ impl Frame {
         let [[r00, r01, _], [r10, r11, _], [r20, r21, r22]] = turned;
         let degrees = |y: f64, x: f64| clean(libm::atan2(y, x).to_degrees());
         let angles = if r20.abs() > 1.0 - 1e-12 {
-            // The turned Y stands along Z: all of the rest is a rotation about Z.
+            // The turned Y is along Z: all of the rest is a rotation about Z.
             [0.0, if r20 < 0.0 { 90.0 } else { -90.0 }, degrees(-r01, r11)]
         } else {
             [degrees(r21, r22), degrees(-r20, libm::sqrt(r21 * r21 + r22 * r22)), degrees(r10, r00)]

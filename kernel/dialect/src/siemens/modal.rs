@@ -19,7 +19,7 @@ pub(super) struct Modal {
     call: Option<Call>,
     passes: Option<u32>,
     given: Vec<PassedArgument>,
-    /// Subprograms that were running when it was said: variables of the caller are those of this level.
+    /// Subprograms that were running when it was programmed: variables of the caller are those of this level.
     level: usize,
 }
 

@@ -4,11 +4,11 @@
 //! EXECUTE; a row of eleven columns for each piece, abscissa before ordinate, radii. Row 0 is the move to the contour,
 //! its first two columns are the row in which the contour ends and the last row; in every other row they are the rows
 //! before and behind, 0 at the ends. Columns 2 to 10: the kind of move, start, end, the local maximum, the greatest
-//! angle to the axis of the cuts, the centre. Decisions: EXECUTE stands in the program of its CONTPRON; the blocks
-//! between them are read as a part of that program, as cycles read contours, so modal codes are those of before again;
-//! moves count as G90, and a G0 after the first one as G1; pieces of relief cuts are counted, but not divided, and the
-//! marks of column 7 are left out with them. *Invariant:* a table that cannot hold the contour is an alarm before
-//! anything is written.
+//! angle to the axis of the cuts, the centre. Decisions: EXECUTE is in the program of its CONTPRON; the blocks between
+//! them are read as a part of that program, as cycles read contours, so modal codes are those of before again; moves
+//! count as G90, and a G0 after the first one as G1; pieces of relief cuts are counted, but not divided, and the marks
+//! of column 7 are left out with them. *Invariant:* a table that cannot hold the contour is an alarm before anything is
+//! written.
 
 use super::expression::{Argument, as_name};
 use super::jumps::bare;

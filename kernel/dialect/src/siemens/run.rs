@@ -1,6 +1,6 @@
 //! A block, executed item by item.
 //!
-//! Facts: reference control-emulator.md 2.2 and 5.4. Statements act in the order in which they stand, words are
+//! Facts: reference control-emulator.md 2.2 and 5.4. Statements act in the order in which they are written, words are
 //! gathered and act after them; a call starts after the words. Invariant: text that is neither statement nor variable
 //! nor subprogram is among the remaining words.
 

@@ -156,7 +156,7 @@ pub(super) fn length_on(act: &mut Act<'_, '_>, number: u32) {
 }
 
 impl Act<'_, '_> {
-    /// Tells of a work offset that has no values.
+    /// Reports a work offset that has no values.
     pub(super) fn missing_work_offset(&mut self, number: u32) {
         let known = self.env.machine.work_offsets.len();
         let set = self.state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));

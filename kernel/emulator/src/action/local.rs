@@ -306,7 +306,7 @@ fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     Some(Programmed { center: Some(center), ..Programmed::new(Affine::scale(factors).around(center), factors) })
 }
 
-/// Takes the axis words: where the mirrors stand, and which axes were coded.
+/// Takes the axis words: where the mirrors are, and which axes were coded.
 fn mirrors(act: &mut Act<'_, '_>) -> [Option<f64>; 3] {
     let mut words = [None; 3];
     for (role, slot) in words.iter_mut().enumerate() {
@@ -318,7 +318,7 @@ fn mirrors(act: &mut Act<'_, '_>) -> [Option<f64>; 3] {
     words
 }
 
-/// Mirrored axes and where their mirrors stand.
+/// Mirrored axes and where their mirrors are.
 fn mirrored(act: &Act<'_, '_>) -> (Point, Point) {
     let frames = act.state.place.frames.as_deref();
     let part = frames.and_then(|frames| frames.local.part(Part::Mirror));

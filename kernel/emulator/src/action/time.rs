@@ -22,7 +22,7 @@ fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {
     }
 }
 
-/// A path whose time is asked for.
+/// A path whose time is requested.
 pub(super) struct Path<'a> {
     pub(super) from: &'a Position,
     pub(super) to: &'a Position,

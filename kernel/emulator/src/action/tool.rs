@@ -70,7 +70,7 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
     Ok(())
 }
 
-/// Tells of a tool offset that has no values; on a machine without any tool offsets once, as a remark.
+/// Reports a tool offset that has no values; on a machine without any tool offsets once, as a remark.
 fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
     let machine = act.env.machine;
     let offsets = &machine.tool.offsets;

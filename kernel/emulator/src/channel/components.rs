@@ -40,7 +40,7 @@ pub(crate) struct Turns {
     pub(crate) now: Option<usize>,
     /// Place of the one before.
     pub(crate) before: Option<usize>,
-    /// Place of the one that a macro has asked for.
+    /// Place of the one that a macro has requested.
     pub(crate) wanted: Option<usize>,
     /// Macros of components that have worked here, by place.
     pub(crate) kept: Vec<(usize, Box<Runtime>)>,

@@ -95,7 +95,7 @@ impl Kernel<'_> {
         self.channel.check_stop()
     }
 
-    /// Two channels wait for each other, and let each other know where their axes stand.
+    /// Two channels wait for each other, and let each other know where their axes are.
     fn meet_at(&mut self, pair: &Pair, meeting: Meeting, wait: Wait) -> Result<Stand, Halt> {
         self.tell(pair, meeting)?;
         self.wait_plainly(wait)?;
@@ -126,7 +126,8 @@ impl Kernel<'_> {
         Stand { place, by: coupled.map_or(0.0, |coupling| place - coupling.from) }
     }
 
-    /// Ends a coupling here: the axis is where both channels have brought it. Gives the axis if that is another place.
+    /// Ends a coupling here: the axis is where both channels have brought it. Returns the axis if that is another
+    /// place.
     pub(super) fn uncouple(&mut self, pair: &Pair, theirs: f64) -> Option<Moved> {
         let couplings = &mut self.channel.state.others.couplings;
         let at = couplings.iter().position(|coupling| coupling.pair == *pair)?;

@@ -3,7 +3,7 @@
 //! Facts: reference channel-synchronisation.md 1.4, 1.9, scenario M11. Decisions: a word of an axis that the channel
 //! does not hold is an alarm and no part of its block acts, unless the machine asks for the axis by itself; a channel
 //! that gets an axis finds it where the last holder has moved it; the end of a program gives nothing back. *Invariant:*
-//! who holds an axis stands in the coordinator alone, and every word and move of such an axis asks there.
+//! who holds an axis is in the coordinator alone, and every word and move of such an axis asks there.
 
 use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;
@@ -119,7 +119,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// The axis stands where another channel has moved it.
+    /// The axis is where another channel has moved it.
     fn find_moved(&mut self, axis: AxisId) -> Acted {
         let (_, moved) = self.shared(|order| order.waits.lease(of_axis(axis)))?;
         let channel = self.channel.at.channel;

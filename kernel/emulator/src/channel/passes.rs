@@ -288,7 +288,7 @@ impl Kernel<'_> {
         self.flow.pass.condition || self.flow.pass.looks(at, self.flow.frames.len())
     }
 
-    /// Lets a tick pass, which is not progress. Gives it, ns.
+    /// Lets a tick pass, which is not progress. Returns it, ns.
     fn tick(&mut self) -> i64 {
         let (idle, tick) = (self.channel.at.idle_blocks, self.channel.env.machine.sync.poll_ns);
         self.channel.advance(tick);

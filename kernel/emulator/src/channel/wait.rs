@@ -170,7 +170,7 @@ pub(super) fn impossible(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
     kernel.fatal(&diag::WAIT_IMPOSSIBLE, text)
 }
 
-/// A wait as it stands in the log.
+/// A wait as it is in the log.
 struct Logged {
     wait: Arc<Wait>,
     since_ns: i64,

@@ -23,7 +23,7 @@ use crate::state::thread::Threads;
 use crate::state::turning::Turning;
 
 impl Kernel<'_> {
-    /// Changes the component, if a macro has asked for another one and none is running; none if nothing is to be done.
+    /// Changes the component, if a macro has requested another one and none is running; none if nothing is to be done.
     pub(crate) fn change_component(&mut self) -> Option<Acted> {
         self.components.turns.wanted?;
         if !self.macros.calls.running.is_empty() {

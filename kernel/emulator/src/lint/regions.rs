@@ -32,7 +32,7 @@ enum Found {
     Nothing,
     /// Other channels could notice it, or this is unknown.
     Meets,
-    /// It ends the program that it stands in.
+    /// It ends the program that it is in.
     Ends,
     /// It jumps; the skipped lines start at the first of these lines or end at the second.
     Jumps(Vec<(u32, u32)>),
@@ -212,7 +212,7 @@ impl Walk<'_, '_> {
     }
 }
 
-/// The last line before a block; its own where others stand before it in the line.
+/// The last line before a block; its own where others are before it in the line.
 pub(super) fn before(target: Spot) -> u32 {
     if target.offset > 0 { target.line } else { target.line.saturating_sub(1) }
 }
@@ -221,7 +221,7 @@ pub(super) fn before(target: Spot) -> u32 {
 pub(super) enum Looked {
     /// The part is clear; with the lines that its jumps add to it.
     Clear(Part),
-    /// Something stands in this line.
+    /// Something is in this line.
     At(u32),
 }
 

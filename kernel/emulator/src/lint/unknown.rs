@@ -47,7 +47,7 @@ impl Walk<'_, '_> {
                 }
                 Outline::Steps(steps) => self.report_unknown_among(&steps),
             }
-            // Words that call have asked for it.
+            // Words that call have requested it.
             self.kernel.flow.pending = None;
         }
     }

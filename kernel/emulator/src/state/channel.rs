@@ -108,7 +108,7 @@ impl At {
 /// Text of the block in process.
 #[derive(Debug, Default)]
 pub(crate) struct BlockText {
-    /// The text, when it is not the line as it stands in the file.
+    /// The text, when it is not the line as it is in the file.
     pub(crate) edited: Option<Arc<[u8]>>,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),

@@ -5,7 +5,7 @@ use counterpoint_machine::index::AxisSlot;
 use super::position::Axis;
 use crate::waits::coupling::{Kind, Pair};
 
-/// Which of both axes stands still in synchronous control (Fanuc L).
+/// Which of both axes does not move in synchronous control (Fanuc L).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Parking {
     /// None.
@@ -46,7 +46,7 @@ pub(crate) struct Coupling {
     pub(crate) slot: AxisSlot,
     /// This channel has the slave.
     pub(crate) slave: bool,
-    /// Which of them stands still.
+    /// Which of them does not move.
     pub(crate) parking: Parking,
     /// Where the own axis was when they were coupled, geometry units, machine frame.
     pub(crate) stood: f64,
@@ -81,8 +81,8 @@ pub(crate) fn slots(couplings: &[Coupling], of: impl Fn(&Coupling) -> bool) -> u
 }
 
 impl Axis {
-    /// As this axis is commanded when its words move `other`, which stands at `stands` where this one counts `from`;
-    /// both in geometry units.
+    /// As this axis is commanded when its words move `other`, which is at `stands` where this one counts `from`; both
+    /// in geometry units.
     pub(crate) fn moving(
         &self,
         other: &counterpoint_machine::model::Axis,

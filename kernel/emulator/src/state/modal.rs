@@ -6,7 +6,7 @@ use counterpoint_event::event::FeedUnit;
 use counterpoint_machine::ident::{CodeId, DataId, codes, data};
 use counterpoint_machine::index::CodeRowId;
 
-/// Modal groups the kernel itself asks for (reference control-emulator.md 3.2).
+/// Modal groups that the kernel itself uses (reference control-emulator.md 3.2).
 pub(crate) mod group {
     pub(crate) const MOTION: u16 = 1;
     pub(crate) const PLANE: u16 = 2;

@@ -40,7 +40,7 @@ pub(super) enum Decision {
 /// Where the kernels are.
 pub(super) struct Standing<'k> {
     pub(super) kernels: &'k [Candidate],
-    /// Whether a channel stands at a wait.
+    /// Whether a channel is at a wait.
     pub(super) waits: &'k dyn Fn(u16) -> bool,
 }
 
@@ -139,7 +139,7 @@ impl State {
         }
     }
 
-    /// A kernel stands before a block; whether it begins it at once, which is if [`decide`](Self::decide) and
+    /// A kernel is before a block; whether it begins it at once, which is if [`decide`](Self::decide) and
     /// [`goes`](Self::goes) would come to that.
     pub(super) fn stands(
         &mut self,

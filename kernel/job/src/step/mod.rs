@@ -49,7 +49,7 @@ struct Channel {
     number: u16,
     /// Where it was seen last.
     seen: Option<Seen>,
-    /// It stands before the block where it was seen; otherwise the block is under way.
+    /// It is before the block where it was seen; otherwise the block is under way.
     at_block: bool,
     /// The breakpoints at that block have been looked at.
     looked: bool,
@@ -88,7 +88,7 @@ impl State {
 }
 
 impl<'a> Director<'a> {
-    /// For a job that stands before the first block of each channel.
+    /// For a job that is before the first block of each channel.
     pub(crate) fn new(
         console: &'a dyn Console,
         control: &'a Control,

@@ -115,8 +115,8 @@ fn as_long(result: &[f64], length: usize) -> Value {
     Value::numbers(if rest.iter().all(|part| *part == 0.0) { kept } else { result })
 }
 
-/// The fraction 1 or −1 gives the direction of the second vector, for any angle; a negative fraction goes the other
-/// way round.
+/// The fraction 1 or −1 gives the direction of the second vector, for any angle; a negative fraction goes in the
+/// opposite direction.
 pub(super) fn turn_toward(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let (Some((a, length)), Some((b, _))) = (three(numbers(arguments, 0)?), three(numbers(arguments, 1)?)) else {
         return impossible_size(context);

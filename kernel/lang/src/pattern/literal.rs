@@ -1,7 +1,7 @@
 //! The text that every match of an expression contains.
 //!
 //! *Invariant:* a text without this literal holds no match, so that many expressions can be ruled out by one search for
-//! their literals. Steps that a match may go round are left out.
+//! their literals. Steps that a match may bypass are left out.
 
 use super::{Class, Pattern, Step};
 

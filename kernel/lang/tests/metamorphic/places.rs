@@ -1,4 +1,4 @@
-//! Where operands stand and where results go.
+//! Where operands are and where results go.
 
 use super::values::Known;
 use std::fmt::Write as _;

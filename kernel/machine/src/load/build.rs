@@ -1,6 +1,6 @@
 //! The merged file to the machine: sections in the order in which they need each other.
 //!
-//! Invariant: every key of the top level is asked for exactly here.
+//! Invariant: every key of the top level is read exactly here.
 
 use super::chain::Merged;
 use super::names::Names;
@@ -20,7 +20,7 @@ use counterpoint_ports::files::Files;
 
 /// Builds the machine; whether it is any good is for the findings to say.
 ///
-/// Of a component `composite` has the declaration macro of its composite, which is its own, too. Gives the rows of a
+/// Of a component `composite` has the declaration macro of its composite, which is its own, too. Returns the rows of a
 /// composite's components as well.
 pub(super) fn machine(
     merged: &Merged,

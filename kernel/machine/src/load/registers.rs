@@ -10,7 +10,7 @@ use crate::toml::section::Section;
 /// Most registers of a machine.
 const MOST: usize = 99;
 
-/// Reads the rows; the list stands in ascending index.
+/// Reads the rows; the list is in ascending index.
 pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Table<RegisterId, Register> {
     top.require("registers", "the letters of the program");
     let mut registers: Vec<Register> = Vec::new();

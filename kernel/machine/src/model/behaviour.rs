@@ -362,7 +362,7 @@ pub struct Corners {
     pub rapid: bool,
 }
 
-/// The file that printing statements of the program write, and how numbers stand in it.
+/// The file that printing statements of the program write, and how numbers are in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
     /// Its name.

@@ -1,6 +1,6 @@
 //! The macros of a machine: hooks, code macros, data macros, user functions.
 //!
-//! Invariant: one row for each macro, in the order in which it is asked for; text and JSON are made from the same rows.
+//! Invariant: one row for each macro, in the order in which it is requested; text and JSON are made from the same rows.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! Typed reading of one table: each key is asked for once with its type and range, `finish` reports the rest.
+//! Typed reading of one table: each key is read once with its type and range, `finish` reports the rest.
 //!
 //! Invariant: a getter that finds something wrong reports it and returns `None`, so that the caller continues with its
 //! default and finds the next mistake.

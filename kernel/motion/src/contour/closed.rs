@@ -54,7 +54,7 @@ impl Closed {
         size(&self.elements) < 0.0
     }
 
-    /// The same the other way round.
+    /// The same in the opposite direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self { elements: backwards(&self.elements) }

@@ -93,7 +93,7 @@ impl Element {
         (left > NOISE).then_some(left)
     }
 
-    /// The tool is larger than the arc; one of the same radius stands in its centre.
+    /// The tool is larger than the arc; one of the same radius is in its centre.
     pub fn is_smaller(&self, side: f64, radius: f64) -> bool {
         self.arc.as_ref().is_some_and(|arc| arc.radius - side * arc.sweep.signum() * radius < -NOISE)
     }

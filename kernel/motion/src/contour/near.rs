@@ -42,7 +42,7 @@ fn has(arc: &Arc, direction: Spot) -> bool {
     way <= arc.sweep.abs() + 1e-12
 }
 
-/// A piece the other way round.
+/// A piece in the opposite direction.
 pub(super) fn turned(piece: &Element) -> Element {
     let arc = piece.arc.map(|arc| Arc { start_angle: arc.start_angle + arc.sweep, sweep: -arc.sweep, ..arc });
     Element { from: piece.to, to: piece.from, arc }

@@ -87,7 +87,7 @@ impl<A: Copy> Chain<A> {
         Self::map(&self.heads, 1.0, angle)
     }
 
-    /// Where the linear axes stand when the tip is at a point of the part. `length`: from the tip to the gauge point.
+    /// Where the linear axes are when the tip is at a point of the part. `length`: from the tip to the gauge point.
     pub fn linear(&self, part: Point, length: Point, angle: impl Fn(A) -> f64 + Copy) -> Point {
         let tip = Vector3::from(self.part(angle).point(part));
         let tool = Vector3::from(self.head(angle).point(length.map(|value| -value)));

@@ -83,7 +83,7 @@ pub enum Unreached {
     Direction,
     /// The travel of the axes ends before.
     Travel,
-    /// No pair is on the side that was asked for.
+    /// No pair is on the side that was requested.
     Side,
 }
 
@@ -218,7 +218,7 @@ impl<A: Copy + PartialEq> Chain<A> {
     /// The angles to which the axes go so that the tool has a direction on the part.
     ///
     /// # Errors
-    /// No pair of angles does it, none within the travel, or none on the side that was asked for.
+    /// No pair of angles does it, none within the travel, or none on the side that was requested.
     pub fn reach(
         &self,
         direction: Point,

@@ -150,7 +150,7 @@ impl<'c> Rough<'c> {
         cut.sink.go(Move::Rapid(self.contour.start))
     }
 
-    /// Cuts the open stretches of all levels. Gives the pockets beside them.
+    /// Cuts the open stretches of all levels. Returns the pockets beside them.
     fn open_levels<S: Sink>(&self, cut: &mut Cut<'_, S>) -> Result<Vec<Pocket>, S::Stop> {
         let mut pockets = Vec::new();
         let [start, top] = self.origin;

@@ -15,7 +15,7 @@ struct Lease {
     holder: Option<u16>,
     /// Who waits for it, first come first.
     queue: Vec<u16>,
-    /// Where an axis has been moved; none while it stands where the job found it.
+    /// Where an axis has been moved; none while it is where the job found it.
     moved: Option<Moved>,
 }
 

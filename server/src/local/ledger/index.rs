@@ -118,7 +118,7 @@ pub(super) fn expected<'a>(jobs: impl Iterator<Item = &'a Record>) -> BTreeSet<(
     jobs.flat_map(|record| terms(record).into_iter().map(|term| (term, record.id.clone()))).collect()
 }
 
-/// Jobs in the order of acceptance, or the other way round, from a bound on.
+/// Jobs in the order of acceptance, or in the reverse order, from a bound on.
 struct Walk<'a> {
     index: ReadOnlyTable<(&'static str, &'static str), ()>,
     query: &'a Query,

@@ -20,7 +20,7 @@ const STEPS: &[Step] = &[small_logs, blob_counts, ended_jobs, tenants, terms_and
 /// The form that this server writes.
 pub(super) const SCHEMA: u64 = 1 + STEPS.len() as u64;
 
-/// Brings a ledger to the form of this server, or creates its tables. Gives the form that it had, if it had one.
+/// Brings a ledger to the form of this server, or creates its tables. Returns the form that it had, if it had one.
 pub(super) fn migrate(txn: &WriteTransaction, store: &Store) -> Result<Option<u64>, Refusal> {
     let before = txn.open_table(META).map_err(storage)?.get("schema").map_err(storage)?.map(|row| row.value());
     if let Some(later) = before.filter(|before| *before > SCHEMA) {

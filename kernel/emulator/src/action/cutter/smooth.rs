@@ -169,7 +169,7 @@ impl Act<'_, '_> {
         (length > NOISE).then(|| way.map(|part| part / length))
     }
 
-    /// Takes the move of a block while a way is asked for.
+    /// Takes the move of a block while a way is requested.
     pub(super) fn smooth_step(&mut self, step: Step, smooth: Box<Smooth>) -> Acted {
         if smooth.leaves {
             return self.smooth_retract(Some(&step), &smooth);
@@ -439,7 +439,7 @@ impl Act<'_, '_> {
         self.check_stop()
     }
 
-    /// The tool has left the contour: it stands where the program is.
+    /// The tool has left the contour: it is where the program is.
     fn left_contour(&mut self) {
         let position = self.state.place.position;
         let Some(cutter) = self.cutter() else { return };

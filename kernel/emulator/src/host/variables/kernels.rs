@@ -31,7 +31,7 @@ fn file<'k>(kernel: &Kernel<'k>, at: i64) -> &'k str {
     place.and_then(|place| given.nth(place)).map_or("", |channel| info.file_name(channel.file))
 }
 
-/// Program of a kernel as it stands now.
+/// Program of a kernel as it is now.
 fn program(kernel: &Kernel<'_>, at: i64) -> String {
     let set = kernel.macros.variables.store.element(names().kernel_program, (at, 0));
     if let Some(text) = set.and_then(Value::as_text) {

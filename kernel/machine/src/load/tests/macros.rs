@@ -37,7 +37,7 @@ file = "own.mac"
 #[test]
 fn a_family_brings_its_macros_and_a_child_replaces_rows() {
     let mut files = family();
-    // The declaration stands before the functions and may not call them: it is another file in the child.
+    // The declaration is before the functions and may not call them: it is another file in the child.
     let child = r#"extends = "family"
 [ce]
 name = "child"
