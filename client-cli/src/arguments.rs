@@ -118,7 +118,7 @@ pub(crate) enum Command {
     Rerun(Rerun),
     /// Ask a job to stop
     Cancel(JobArgs),
-    /// Hold a job back until it is resumed; a run under way is stopped
+    /// Hold a job back until it is resumed; a run in progress is stopped
     Pause(JobArgs),
     /// Let a paused job run, from its start
     Resume(JobArgs),

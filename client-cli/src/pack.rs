@@ -189,7 +189,7 @@ fn is_program(path: &Path, content: &[u8]) -> Result<(), Error> {
     if content.iter().all(u8::is_ascii_whitespace) {
         return Err(Error::Usage(format!("'{path}' is empty: a program needs at least one block")));
     }
-    // Tapes begin and end with zeros, and files in UTF-16 have many.
+    // Tapes start and end with zeros, and files in UTF-16 have many.
     let strange = |byte: &u8| matches!(byte, 1..=8 | 11 | 12 | 14..=31 | 127);
     let head = content.get(..LOOKED_AT).unwrap_or(content);
     let count = head.iter().filter(|byte| strange(byte)).count();

@@ -95,7 +95,7 @@ impl Connection {
         Call(self.counts.clone())
     }
 
-    /// Whether no call is under way.
+    /// Whether no call is in progress.
     pub(crate) fn is_idle(&self) -> bool {
         self.counts.open.load(Ordering::Relaxed) == 0
     }
@@ -112,7 +112,7 @@ impl Drop for Connection {
     }
 }
 
-/// A call under way, until its answer has been sent or dropped.
+/// A call in progress, until its answer has been sent or dropped.
 #[derive(Debug)]
 pub(crate) struct Call(Arc<Counts>);
 

@@ -121,7 +121,7 @@ pub enum Refusal {
     /// Stored content is damaged or gone.
     #[error("{0}")]
     DataLoss(String),
-    /// Too many uploads are under way.
+    /// Too many uploads are in progress.
     #[error("too many uploads are under way (max_uploads, max_uploads_per_connection)")]
     TooManyUploads,
     /// An upload makes no progress.

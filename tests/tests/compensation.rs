@@ -1,5 +1,5 @@
-//! Compensation of the cutter radius and local frames under any program: the log keeps its order, the tool's way has no
-//! gap, and scheduling changes nothing.
+//! Compensation of the cutter radius and local frames under any program: the log keeps its order, the tool's path has
+//! no gap, and scheduling changes nothing.
 
 use counterpoint_kernel::log::event::{Event, Kind};
 use counterpoint_kernel::options::{Limits, Options};

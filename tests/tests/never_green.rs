@@ -16,7 +16,7 @@ use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Work, processors};
 
-/// A way to end: its name, machine rows, the startup macro's statements, program, numbers it raises.
+/// A path to end: its name, machine rows, the startup macro's statements, program, numbers it raises.
 struct End {
     name: &'static str,
     machine: &'static str,

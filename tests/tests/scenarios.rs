@@ -133,7 +133,7 @@ fn every_scenario_ends_as_the_control_would() {
     assert!(count >= 20, "only {count} scenarios were found");
 }
 
-/// Runs one scenario in all ways.
+/// Runs one scenario in all paths.
 fn run(name: &str, path: &Path) {
     let scenario: Scenario =
         toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap_or_else(|e| panic!("{name}: {e}"));

@@ -28,7 +28,7 @@ pub(crate) struct Load {
     /// Stop after this many jobs
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<u64>,
-    /// Wait this long for the jobs that are under way at the end
+    /// Wait this long for the jobs that are in progress at the end
     #[arg(long, value_name = "TIME", default_value = "30s", value_parser = time)]
     pub(crate) patience: Duration,
     /// Open this many connections [default: one per 100 callers; 4 with --rate]

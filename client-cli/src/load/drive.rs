@@ -14,11 +14,11 @@ use tokio::time::{Instant, sleep_until, timeout};
 use super::measure::{Measured, Stretch, lock};
 use super::mix::{Job, Mix};
 
-/// Reason of jobs that were still under way when patience was at its end.
+/// Reason of jobs that were still in progress when patience was at its end.
 pub(super) const UNFINISHED: &str = "UNFINISHED";
-/// Reason of jobs that were due while too many others were under way.
+/// Reason of jobs that were due while too many others were in progress.
 const NOT_SENT: &str = "NOT_SENT";
-/// Most jobs under way at a rate.
+/// Most jobs in progress at a rate.
 const MOST_OPEN: u64 = 10_000;
 
 /// How jobs become due.

@@ -114,7 +114,7 @@ pub(super) struct Measured {
     start: Instant,
     window: (Instant, Instant),
     times: [Times; 4],
-    /// Of the second under way: submits and ends.
+    /// Of the second in progress: submits and ends.
     now: (Counts, Times, Times),
     /// Within the window.
     pub(super) counts: Counts,

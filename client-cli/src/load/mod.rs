@@ -83,7 +83,7 @@ pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
     Ok(code)
 }
 
-/// The load itself: warm-up, measured time, and the ends of the jobs under way.
+/// The load itself: warm-up, measured time, and the ends of the jobs in progress.
 async fn run(arguments: &Load, mix: Mix, pace: Pace, clients: Vec<Client>, mut process: Option<Process>) -> Report {
     let start = Instant::now();
     let window = (start + arguments.warm_up, start + arguments.warm_up + arguments.time);

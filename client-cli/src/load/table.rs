@@ -1,4 +1,4 @@
-//! Figures while a load is under way: a table on a terminal, a line every ten seconds elsewhere.
+//! Figures while a load is in progress: a table on a terminal, a line every ten seconds elsewhere.
 
 use console::Term;
 use tokio::time::Instant;

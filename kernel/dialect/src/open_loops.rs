@@ -1,6 +1,6 @@
-//! Loops whose ends carry a number: which begin belongs to which end.
+//! Loops whose ends carry a number: which start belongs to which end.
 //!
-//! *Invariant:* the innermost open loop with the number of an end belongs to it, those inside are over; each begin is
+//! *Invariant:* the innermost open loop with the number of an end belongs to it, those inside are over; each start is
 //! looked at once.
 
 /// Loops that have begun, by number.

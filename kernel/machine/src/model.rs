@@ -244,7 +244,7 @@ pub struct Axis {
     pub dynamics: Dynamics,
     /// Start position and first reference point in the machine frame (as programmed: diameter on a diameter axis).
     pub home: f64,
-    /// Further points that codes send it to, and the way there.
+    /// Further points that codes send it to, and the path there.
     pub positioning: Positioning,
     /// Travel limits in the machine frame, as programmed.
     pub limits: Option<(f64, f64)>,
@@ -260,7 +260,7 @@ pub struct Axis {
     pub coupling: AxisCoupling,
 }
 
-/// Points that codes send an axis to, in the machine frame as programmed, and the way there.
+/// Points that codes send an axis to, in the machine frame as programmed, and the path there.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Positioning {
     /// Second to fourth reference points.
@@ -305,7 +305,7 @@ impl Dynamics {
 pub enum Turn {
     /// It is the position, whole turns counted.
     Position,
-    /// It is the angle, reached the shorter way.
+    /// It is the angle, reached the shorter path.
     Shortest,
     /// It is the angle, its sign the direction.
     Sign,

@@ -79,8 +79,8 @@ fn angle(v: Vector2<f64>) -> f64 {
     libm::atan2(v.y, v.x)
 }
 
-/// Arc by radius: a positive radius takes the way of at most 180°, a negative one the longer way. A chord longer
-/// than the diameter by no more than `tolerance` counts as the diameter.
+/// Arc by radius: a positive radius takes the path of at most 180°, a negative one the longer path. A chord longer than
+/// the diameter by no more than `tolerance` counts as the diameter.
 ///
 /// # Errors
 /// All variants of [`Error`].
@@ -100,7 +100,7 @@ pub fn by_radius(start: [f64; 2], end: [f64; 2], radius: f64, clockwise: bool, t
     }
     let half = distance / 2.0;
     let height = (size * size - half * half).max(0.0).sqrt();
-    // The centre of the short way lies left of the chord for counter-clockwise, right for clockwise.
+    // The centre of the short path lies left of the chord for counter-clockwise, right for clockwise.
     let side = if clockwise == (radius < 0.0) { 1.0 } else { -1.0 };
     let left = Vector2::new(-chord.y, chord.x) / distance;
     let center: [f64; 2] = (from + chord / 2.0 + left * (side * height)).into();

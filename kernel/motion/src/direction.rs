@@ -63,7 +63,7 @@ impl Cone {
         Some(Self { start, axis, turn })
     }
 
-    /// With a full opening angle: the way below half a turn if `short`, otherwise the other way. None if the cone is
+    /// With a full opening angle: the path below half a turn if `short`, otherwise the other way. None if the cone is
     /// too narrow for its ends, or they are the same or opposite.
     pub fn opened(opening: f64, [start, end]: [[f64; 3]; 2], clockwise: bool, short: bool) -> Option<Self> {
         let (first, last) = (unit(start)?, unit(end)?);
@@ -73,7 +73,7 @@ impl Cone {
         if along.abs() > 1.0 {
             return None;
         }
-        // The axis to one side turns counter-clockwise by the short way, the one to the other side by the long way.
+        // The axis to one side turns counter-clockwise by the short path, the one to the other side by the long path.
         let side = if clockwise == short { -1.0 } else { 1.0 };
         let axis = middle * along + across * (side * libm::sqrt(1.0 - along * along));
         Self::about(axis.into(), start, Some(end), clockwise)
@@ -86,7 +86,7 @@ impl Cone {
         Self::about(axis.into(), start, Some(end), false)
     }
 
-    /// From a direction on, at first along `way`, to another one. None if the way is none or the ends are the same.
+    /// From a direction on, at first along `way`, to another one. None if the path is none or the ends are the same.
     pub fn tangential(start: [f64; 3], way: [f64; 3], end: [f64; 3]) -> Option<Self> {
         let (first, last) = (unit(start)?, unit(end)?);
         let way = Vector3::from(way);

@@ -38,7 +38,7 @@ impl Piece {
     /// Additional seconds of a change between two speeds because of the jerk.
     ///
     /// With jerk `j` a change by `d` takes `d/a + a/j` (or `2·√(d/j)` if the acceleration is never reached) in place of
-    /// `d/a`. It is longer by half the sum of both speeds times that difference, which is missing from the way at the
+    /// `d/a`. It is longer by half the sum of both speeds times that difference, which is missing from the path at the
     /// higher speed.
     fn smoothing(&self, low: f64, high: f64) -> f64 {
         let change = high - low;
@@ -96,7 +96,7 @@ pub struct LookAhead {
     pieces: VecDeque<Planned>,
     /// Squared speed at the start of the first piece.
     entry: f64,
-    /// Speed at which the change that is under way began.
+    /// Speed at which the change that is in progress began.
     ramp: Option<Ramp>,
 }
 

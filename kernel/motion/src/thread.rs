@@ -1,6 +1,6 @@
-//! Time of a thread: feed locked to the spindle, with a lead that may change along the way.
+//! Time of a thread: feed locked to the spindle, with a lead that may change along the path.
 //!
-//! The lead changes by the same amount with each revolution, `L(n) = L₀ + c·n`, so the way is `L₀·n + c·n²/2`.
+//! The lead changes by the same amount with each revolution, `L(n) = L₀ + c·n`, so the path is `L₀·n + c·n²/2`.
 //! *Invariant:* everything is integrated exactly, under constant surface speed too.
 
 use crate::surface_speed::Speed;
@@ -15,7 +15,7 @@ pub struct Lead {
 }
 
 impl Lead {
-    /// Revolutions over a way; `None` if the lead falls to nothing before.
+    /// Revolutions over a path; `None` if the lead falls to nothing before.
     #[must_use]
     pub fn revolutions(&self, way: f64) -> Option<f64> {
         let square = self.start * self.start + 2.0 * self.change * way;
@@ -23,7 +23,7 @@ impl Lead {
         (square >= 0.0 && self.start > 0.0).then(|| 2.0 * way / (self.start + square.sqrt()))
     }
 
-    /// The lead after a way; nothing where it has fallen to nothing.
+    /// The lead after a path; nothing where it has fallen to nothing.
     #[must_use]
     pub fn after(&self, way: f64) -> f64 {
         if self.change == 0.0 {
@@ -32,13 +32,13 @@ impl Lead {
         (self.start * self.start + 2.0 * self.change * way).max(0.0).sqrt()
     }
 
-    /// Minutes over a way at a steady speed; `None` if the lead falls to nothing before.
+    /// Minutes over a path at a steady speed; `None` if the lead falls to nothing before.
     #[must_use]
     pub fn minutes(&self, way: f64, rpm: f64) -> Option<f64> {
         Some(self.revolutions(way)? / rpm)
     }
 
-    /// Minutes over a way under constant surface speed, while the radius goes from `r0` to `r1`.
+    /// Minutes over a path under constant surface speed, while the radius goes from `r0` to `r1`.
     #[must_use]
     pub fn surface_minutes(&self, way: f64, speed: &Speed, r0: f64, r1: f64) -> Option<f64> {
         self.revolutions(way)?;

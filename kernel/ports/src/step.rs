@@ -139,7 +139,7 @@ pub struct ChannelReport {
     pub wait: Option<Arc<Wait>>,
     /// Feed hold.
     pub held: bool,
-    /// The block is under way; otherwise it is the next one.
+    /// The block is in progress; otherwise it is the next one.
     pub in_block: bool,
     /// Programmed positions by axis, in the work frame.
     pub positions: Vec<(String, f64)>,

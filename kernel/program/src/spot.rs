@@ -18,7 +18,7 @@ impl Spot {
     }
 }
 
-/// How comments and messages begin and end.
+/// How comments and messages start and end.
 pub type Remark = (Vec<u8>, Vec<u8>);
 
 /// Place of the first `eob` that ends a block.

@@ -140,7 +140,7 @@ impl Loop {
         Some(Self { circle, seen })
     }
 
-    /// Position at a share of the way, axes beside the circle included.
+    /// Position at a share of the path, axes beside the circle included.
     pub fn at(&self, motion: &Motion, share: f64) -> Position {
         let mut position = motion.from;
         for (slot, (a, b)) in position.iter_mut().zip(motion.from.iter().zip(&motion.to)) {

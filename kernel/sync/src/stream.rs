@@ -1,4 +1,4 @@
-//! The way of a kernel's events: into the results of its channel, and into the log if one is requested.
+//! The path of a kernel's events: into the results of its channel, and into the log if one is requested.
 //!
 //! *Invariant:* the log is the merge of the chunks that results are made of; whether there is a log changes no result.
 
@@ -27,7 +27,7 @@ enum Log<'a> {
     },
 }
 
-/// The way of a kernel's events.
+/// The path of a kernel's events.
 pub struct Stream<'a> {
     backlog: &'a mut Backlog,
     log: Option<Log<'a>>,

@@ -14,7 +14,7 @@ use super::Identity;
 
 /// Most identities that are remembered; beyond that those with full buckets are forgotten.
 const MOST: usize = 10_000;
-/// Most calls of an identity that wait: as many as one connection may have under way.
+/// Most calls of an identity that wait: as many as one connection may have in progress.
 const MOST_HELD: usize = 256;
 /// Longest time that a call waits for its token.
 pub(crate) const LONGEST: Duration = Duration::from_secs(1);

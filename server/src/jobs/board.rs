@@ -1,4 +1,4 @@
-//! The board: jobs in memory, which of them wait, run, or have ended lately, and the way from one to the next.
+//! The board: jobs in memory, which of them wait, run, or have ended lately, and the path from one to the next.
 //!
 //! Invariant: a job that has not ended is on the board, and is either in the queue or on a worker thread, until the
 //! server drains.
@@ -28,7 +28,7 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 #[derive(Debug)]
 pub(super) struct Waiting {
     pub(super) jobs: Box<dyn Queue>,
-    /// Places given to submits whose ledger entry is under way, by tenant.
+    /// Places given to submits whose ledger entry is in progress, by tenant.
     reserved: HashMap<String, usize>,
     /// Jobs on workers that let others have their core.
     suspended: BTreeMap<String, Stop>,
@@ -104,7 +104,7 @@ fn push(queue: &mut dyn Queue, live: &Live, entry: Entry) {
 }
 
 impl Core {
-    /// A place in the queue for a submit under way, given back when dropped.
+    /// A place in the queue for a submit in progress, given back when dropped.
     pub(super) fn reserve(self: &Arc<Self>, tenant: &str) -> Result<impl Drop + Send + use<>, Refusal> {
         struct Place(Arc<Core>, String);
         impl Drop for Place {

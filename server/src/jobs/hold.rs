@@ -1,8 +1,8 @@
 //! Pause and resume: jobs that are held back.
 //!
-//! A pause stops the run under way and gives its worker to others; the next run begins at the start and gives the same
-//! events, so watches continue at their cursors. Nothing of a paused job stays on a worker or in memory but its record.
-//! Invariant: a job is held back exactly if its record says so; the ledger agrees when the call is answered.
+//! A pause stops the run in progress and gives its worker to others; the next run begins at the start and gives the
+//! same events, so watches continue at their cursors. Nothing of a paused job stays on a worker or in memory but its
+//! record. Invariant: a job is held back exactly if its record says so; the ledger agrees when the call is answered.
 
 use std::sync::Arc;
 

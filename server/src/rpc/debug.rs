@@ -1,6 +1,6 @@
 //! Call `Operator.Debug`: one client that steps through one job.
 //!
-//! Invariant: at most so many commands are under way, and each has one answer, so a client that sends without reading
+//! Invariant: at most so many commands are in progress, and each has one answer, so a client that sends without reading
 //! holds back itself and nothing else.
 
 use std::sync::Arc;

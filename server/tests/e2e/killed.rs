@@ -25,7 +25,7 @@ const FOLDER: &str = "COUNTERPOINT_TEST_FOLDER";
 const FAULTS: &str = "COUNTERPOINT_TEST_FAULTS";
 
 const SCRIPTS: [&str; 4] = ["EVENTS 20", "EVENTS 3000", "EVENTS 12\nWRITE a.txt", "EVENTS 15000"];
-/// Requests under way at the same time.
+/// Requests in progress at the same time.
 const CALLERS: usize = 4;
 
 /// The server that is killed; without its folder in the environment this does nothing.

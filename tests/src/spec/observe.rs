@@ -21,7 +21,7 @@ use crate::{Done, Work};
 /// Stops after which the operator leaves, so that programs of many blocks do not take long.
 const MOST_STOPS: u32 = 300;
 
-/// Ways of observing that an example takes unless it takes all of them: without macros, and with some.
+/// Paths of observing that an example takes unless it takes all of them: without macros, and with some.
 const USUAL: [usize; 2] = [1, 3];
 
 /// A way of observing a job.
@@ -39,14 +39,14 @@ enum Way {
     Threads(u16),
 }
 
-/// All ways, in an order that never changes.
+/// All paths, in an order that never changes.
 fn ways() -> Vec<Way> {
     let mut ways: Vec<Way> = letters::ALL.chars().chain([' ']).map(Way::Trace).collect();
     ways.extend([Way::Steps, Way::Breakpoints, Way::Watcher, Way::Threads(2), Way::Threads(3)]);
     ways
 }
 
-/// Ways that an example takes.
+/// Paths that an example takes.
 fn taken(example: &Example) -> Vec<Way> {
     let all = ways();
     if std::env::var_os("OBSERVE").is_some_and(|value| value == "all") {
@@ -58,7 +58,7 @@ fn taken(example: &Example) -> Vec<Way> {
         .bytes()
         .fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
     let first = (hash >> 16) as usize % all.len();
-    // Ways that lie apart from each other, so that an example takes different kinds.
+    // Paths that lie apart from each other, so that an example takes different kinds.
     let usual = if example.fence("macro").is_some() { USUAL[1] } else { USUAL[0] };
     let apart = all.len().div_ceil(usual);
     (0..usual).filter_map(|at| all.get((first + at * apart) % all.len()).copied()).collect()

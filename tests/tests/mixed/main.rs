@@ -1,5 +1,5 @@
 //! Everything together: local frames, offsets, compensation of the cutter radius, polar interpolation, tool tip
-//! control, cycles, threads and circles in one program. The log keeps its order, the way of the axes has no gap, and
+//! control, cycles, threads and circles in one program. The log keeps its order, the path of the axes has no gap, and
 //! neither scheduling nor the lack of a log changes anything.
 
 mod machines;

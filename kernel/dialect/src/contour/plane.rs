@@ -15,7 +15,7 @@ pub(crate) fn times(a: Point, factor: f64) -> Point {
     [a[0] * factor, a[1] * factor]
 }
 
-/// A point some way from another.
+/// A point at a distance from another.
 pub(crate) fn along(from: Point, direction: Point, way: f64) -> Point {
     [from[0] + direction[0] * way, from[1] + direction[1] * way]
 }
@@ -40,7 +40,7 @@ pub(crate) fn direction(a: Point) -> Option<Point> {
     (length.is_finite() && length > 1e-9).then(|| times(a, 1.0 / length))
 }
 
-/// Centre of a circle by its ends and radius; a negative radius takes the longer way.
+/// Centre of a circle by its ends and radius; a negative radius takes the longer path.
 pub(crate) fn center_by_radius(from: Point, to: Point, radius: f64, clockwise: bool) -> Option<Point> {
     let chord = minus(to, from);
     let half = length(chord) / 2.0;

@@ -1,10 +1,10 @@
-//! Ways to a contour and away from it: straight, along its normal, on a circle, on a line and a circle.
+//! Paths to a contour and away from it: straight, along its normal, on a circle, on a line and a circle.
 //!
-//! *Invariant:* the way touches the contour in the direction of the contour, or is normal to it.
+//! *Invariant:* the path touches the contour in the direction of the contour, or is normal to it.
 
 use super::plane::{Point, along, left, minus, times, touch, turn, turned};
 
-/// Form of a way.
+/// Form of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PathShape {
     /// Along the direction of the contour.
@@ -17,11 +17,11 @@ pub(crate) enum PathShape {
     LineAndCircle,
 }
 
-/// How large a way is, and on which side of the contour.
+/// How large a path is, and on which side of the contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Side {
-    /// Length of a straight way, not negative; radius of a circle of the tool centre, negative on the other side of its
-    /// path.
+    /// Length of a straight path, not negative; radius of a circle of the tool centre, negative on the other side of
+    /// its path.
     pub(crate) size: f64,
     /// The tool goes on the left of the contour.
     pub(crate) on_left: bool,
@@ -31,10 +31,10 @@ pub(crate) struct Side {
     pub(crate) angle: f64,
 }
 
-/// The circle of a way about its centre.
+/// The circle of a path about its centre.
 struct Round {
     center: Point,
-    /// Radius on the contour; the tool centre goes on a circle of the size of the way.
+    /// Radius on the contour; the tool centre goes on a circle of the size of the path.
     radius: f64,
     /// The centre is on the left.
     on_left: bool,
@@ -57,7 +57,7 @@ impl Side {
         })
     }
 
-    /// Where a way that leads the tool centre to a point of its circle is on the contour.
+    /// Where a path that leads the tool centre to a point of its circle is on the contour.
     fn on_contour(self, round: &Round, point: Point) -> Point {
         along(round.center, minus(point, round.center), round.radius / self.size.abs())
     }
@@ -72,7 +72,7 @@ impl Round {
     }
 }
 
-/// A way to a contour. Points are those of the contour, which the tool centre passes at its distance.
+/// A path to a contour. Points are those of the contour, which the tool centre passes at its distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Approach {
     /// Where its last part begins.
@@ -85,7 +85,7 @@ pub(crate) struct Approach {
     pub(crate) heading: Point,
 }
 
-/// An arc of a way.
+/// An arc of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Arc {
     /// Negative for more than half a circle.
@@ -93,7 +93,7 @@ pub(crate) struct Arc {
     pub(crate) clockwise: bool,
 }
 
-/// A way from a point of the tool centre to a contour, which begins at a point with a direction; none if the size does
+/// A path from a point of the tool centre to a contour, which begins at a point with a direction; none if the size does
 /// not fit.
 pub(crate) fn approach(way: PathShape, from: Point, (to, heading): (Point, Point), side: Side) -> Option<Approach> {
     if side.size == 0.0 {
@@ -118,7 +118,7 @@ pub(crate) fn approach(way: PathShape, from: Point, (to, heading): (Point, Point
     Some(Approach { begin, arc: Some(arc), begins_plain: false, heading })
 }
 
-/// A way from a contour. Points that follow an arc with compensation are those of the contour, others of the tool
+/// A path from a contour. Points that follow an arc with compensation are those of the contour, others of the tool
 /// centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Departure {
@@ -127,7 +127,7 @@ pub(crate) enum Departure {
     ArcAndLine { leave: Point, arc: Arc, to: Point },
 }
 
-/// A way from the end of a contour and its direction there; only one on a line and a circle goes to `goal`. None if
+/// A path from the end of a contour and its direction there; only one on a line and a circle goes to `goal`. None if
 /// that is inside the circle, or if the tool is larger than a circle on the other side.
 pub(crate) fn depart(way: PathShape, (from, heading): (Point, Point), goal: Point, side: Side) -> Option<Departure> {
     let across = side.of(heading);
@@ -188,7 +188,7 @@ mod tests {
         assert_eq!(depart(PathShape::LineAndCircle, ([0.0, 0.0], EAST), [0.0, 4.0], side), None);
     }
 
-    /// The circle of the tool centre has the size of the way, so that of the contour is larger by the tool.
+    /// The circle of the tool centre has the size of the path, so that of the contour is larger by the tool.
     #[test]
     fn circles_are_those_of_the_tool_centre() {
         let side = Side { size: 8.0, on_left: true, beside: 6.0, angle: 90.0 };

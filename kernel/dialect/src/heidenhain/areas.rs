@@ -49,7 +49,7 @@ impl Area {
         }
     }
 
-    /// Contours whose spots may be outside of it.
+    /// Contours whose points may be outside of it.
     pub(super) fn taken_away(&self) -> Vec<usize> {
         match self {
             Self::Contour(_) => Vec::new(),

@@ -1,8 +1,8 @@
 //! Calls of cycles: CYCL CALL, CYCL CALL POS, M99, M89, and the cycle that runs.
 //!
 //! Facts: programming manuals of the control (POS leads to its position first; M89 calls at every position up to M99; a
-//! feed of the call is that of its way). Invariant: parameters that a call has changed have their values again when the
-//! cycle is over.
+//! feed of the call is that of its path). Invariant: parameters that a call has changed have their values again when
+//! the cycle is over.
 
 use counterpoint_fault::Halt;
 

@@ -226,7 +226,7 @@ fn apart((one, first): (f64, bool), (other, second): (f64, bool)) -> f64 {
     if first == second { (one - other).abs() } else { one + other }
 }
 
-/// How far along a line the spots lie that have a distance from a point; none where it is too far.
+/// How far along a line the points lie that have a distance from a point; none where it is too far.
 fn on_line((from, way): Line, point: Point, distance: f64) -> Option<Vec<f64>> {
     let by = minus(point, from);
     let (foot, off) = (by[0] * way[0] + by[1] * way[1], turn(way, by));

@@ -16,7 +16,7 @@ impl Walk<'_> {
         }
     }
 
-    /// An arc of less than a circle by its radius; a negative one takes the longer way.
+    /// An arc of less than a circle by its radius; a negative one takes the longer path.
     pub(super) fn by_radius(&mut self, to: &Position, radius: f64, clockwise: bool, others: &[Seen]) -> String {
         let (code, sign) = self.circle_code("CR", clockwise);
         self.path.restate = true;
@@ -135,7 +135,7 @@ impl Walk<'_> {
         self.by_radius(to, radius, clockwise, &others)
     }
 
-    /// A radius for the way from the tool to a point of its circle: below zero for more than half a circle.
+    /// A radius for the path from the tool to a point of its circle: below zero for more than half a circle.
     fn radius_to(&self, to: &Position, center: Point, clockwise: bool, radius: f64) -> f64 {
         let element = contour::arc(self.flat(&self.actual), self.flat(to), center, clockwise);
         let longer = element.arc.is_some_and(|arc| arc.sweep.abs() > std::f64::consts::PI);

@@ -82,7 +82,7 @@ impl Blocks<'_> {
         self.rise_to(level, task.plunge);
     }
 
-    /// Rows of cuts at a level, then once along each way.
+    /// Rows of cuts at a level, then once along each path.
     fn cleared(&mut self, rows: &[Vec<Cut>], ways: &[Closed], task: &Task, level: f64) {
         for (start, row) in rows.iter().filter_map(|row| Some((row.first()?.0, row))) {
             self.plunge(start, task, level);
@@ -173,7 +173,7 @@ pub(super) fn within_reason(moves: usize, levels: usize) -> Result<(), String> {
     Err(format!("the cycle would make more than {MOST_MOVES} moves: program larger infeeds"))
 }
 
-/// A quarter circle to a way or from it.
+/// A quarter circle to a path or from it.
 fn quarter(at: Spot, heading: Spot, side: f64, radius: f64, arrives: bool) -> Option<Element> {
     let center = plus(at, [-heading[1] * side, heading[0] * side], radius);
     let end = plus(center, heading, if arrives { -radius } else { radius });
@@ -212,7 +212,7 @@ impl Heidenhain {
         Self::rims(eroded(&all, amount), task).map(round)
     }
 
-    /// Ways that turn with a radius of their own inside of corners.
+    /// Paths that turn with a radius of their own inside of corners.
     fn rounded_ways(all: &[Closed], amount: f64, radius: f64, task: &Task) -> Result<Vec<Closed>, String> {
         let narrow = eroded(all, amount + radius);
         Self::rims(narrow.and_then(|narrow| grown(&narrow, radius)), task)
@@ -239,7 +239,7 @@ impl Heidenhain {
         Ok(Self::turned_by_sense(&left, task))
     }
 
-    /// Ways in the sense of the task, from the middle of their longest elements.
+    /// Paths in the sense of the task, from the middle of their longest elements.
     fn turned_by_sense(rims: &[Closed], task: &Task) -> Vec<Closed> {
         let way = |way: &Closed| if task.climbs { way.from_longest() } else { way.reversed().from_longest() };
         rims.iter().map(way).collect()
@@ -270,7 +270,7 @@ impl Heidenhain {
         Ok(stages.collect())
     }
 
-    /// Rows of cuts between ways that keep away from the figures by an amount.
+    /// Rows of cuts between paths that keep away from the figures by an amount.
     fn rows(
         outlines: &[Closed],
         (figures, amount): (&[Figure], f64),

@@ -1,7 +1,7 @@
-//! Corners, and ways to and from a contour.
+//! Corners, and paths to and from a contour.
 //!
 //! Facts: programming manuals of the control (CHF, RND, APPR, DEP; G24, G25). Decisions: corners are made between lines
-//! and circles whose blocks say where they end, before G2 and G3 of ISO programs only between lines; a way to the
+//! and circles whose blocks say where they end, before G2 and G3 of ISO programs only between lines; a path to the
 //! contour takes the direction of the path block after it; radius compensation begins on the first line of an approach
 //! and ends on the last line of a departure, after an arc on the next straight line. Invariant: a corner that cannot be
 //! made is left sharp and reported.
@@ -139,7 +139,7 @@ impl Walk<'_> {
         self.step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
     }
 
-    /// Length or radius of a way, the side on which the tool goes, and its distance from the contour. Without
+    /// Length or radius of a path, the side on which the tool goes, and its distance from the contour. Without
     /// compensation the tool centre goes on the contour, on the left for a positive value.
     fn side(&self, way: PathShape) -> Side {
         let angle = self.word("CCA").unwrap_or(90.0).abs();
@@ -295,7 +295,7 @@ impl Walk<'_> {
     }
 }
 
-/// Words that ways to and from a contour use.
+/// Words that paths to and from a contour use.
 const USED: [&str; 8] = ["PR", "PA", "IPR", "IPA", "LEN", "CCA", "CCA=", "R"];
 
 fn is_g(seen: &[Seen], number: f64) -> bool {

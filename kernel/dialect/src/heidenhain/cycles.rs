@@ -230,7 +230,7 @@ impl Heidenhain {
         let appended = APPENDED.iter().filter(|(cycle, _)| *cycle == number).flat_map(|(_, appended)| *appended);
         let inches = evaluator.host.length_factor();
         for &(index, value) in appended {
-            // The way off the wall is a length of its own, 0.2 mm.
+            // The path off the wall is a length of its own, 0.2 mm.
             let value = if (number, index) == (202, 357) { value / inches } else { value };
             let is = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name == Name { kind: Kind::Q, index });
             if !seen.iter().any(is) {

@@ -43,14 +43,14 @@ pub(super) struct Unrolled {
     by_name: Option<bool>,
 }
 
-/// A place of the tool: the spot above which the table turns, and how far the tool is from there, both unrolled.
+/// A place of the tool: the point above which the table turns, and how far the tool is from there, both unrolled.
 type Stand = (Spot, Spot);
 
 /// A move of the tool and the table.
 #[derive(Debug, Clone)]
 enum Move {
     To(Stand),
-    /// The table is above a spot, the tool goes around beside it.
+    /// The table is above a point, the tool goes around beside it.
     Arc(Spot, Element),
 }
 
@@ -109,8 +109,8 @@ fn left([x, y]: Spot) -> Spot {
     [-y, x]
 }
 
-/// Directions and spots along an element, close enough that chords are the arc; `beside`: how much larger its radius is
-/// elsewhere.
+/// Directions and points along an element, close enough that chords are the arc; `beside`: how much larger its radius
+/// is elsewhere.
 fn sampled(element: &Element, beside: f64) -> Vec<(Spot, Spot)> {
     let Some(arc) = &element.arc else { return vec![(element.from, element.start()), (element.to, element.end())] };
     let radius = arc.radius + beside.abs();
@@ -130,7 +130,7 @@ fn sampled(element: &Element, beside: f64) -> Vec<(Spot, Spot)> {
     (0..=count).map(at).collect()
 }
 
-/// The tool beside the middle of a way: the table is at the middle, the tool beside it. `share` is the radius of the
+/// The tool beside the middle of a path: the table is at the middle, the tool beside it. `share` is the radius of the
 /// contact as a part of that of the surface.
 fn beside_middle(way: &[Element], side: f64, amount: f64, share: f64) -> Vec<Move> {
     let of = |(spot, heading): (Spot, Spot)| {
@@ -156,22 +156,22 @@ fn beside_middle(way: &[Element], side: f64, amount: f64, share: f64) -> Vec<Mov
     moves
 }
 
-/// The tool on a way, the table turned to each spot of it.
+/// The tool on a path, the table turned to each spot of it.
 fn on_way(way: &[Element]) -> Vec<Move> {
     way.iter().flat_map(|element| sampled(element, 0.0)).map(|(spot, _)| Move::To((spot, [0.0; 2]))).collect()
 }
 
-/// Half a circle from a spot beside a way onto it, or off it; the table does not move.
+/// Half a circle from a point beside a path onto it, or off it; the table does not move.
 fn half_circle(foot: Spot, heading: Spot, side: f64, [near, far]: [f64; 2], arrives: bool) -> Move {
     let (near, far) = (plus([0.0; 2], left(heading), side * near), plus([0.0; 2], left(heading), side * far));
     let center = plus(near, plus(far, near, -1.0), 0.5);
     let (from, to) = if arrives { (far, near) } else { (near, far) };
-    // It ends and begins in the direction of the way.
+    // It ends and begins in the direction of the path.
     let clockwise = side < 0.0;
     Move::Arc(foot, Element { from, to, arc: by_center(from, to, center, clockwise).ok() })
 }
 
-/// Half a turn about the end of a way, from one side of it to the other; the table does not move.
+/// Half a turn about the end of a path, from one side of it to the other; the table does not move.
 fn round_the_end(foot: Spot, heading: Spot, side: f64, amount: f64) -> Move {
     let from = plus([0.0; 2], left(heading), side * amount);
     let to = from.map(|part| -part);

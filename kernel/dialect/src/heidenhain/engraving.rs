@@ -114,7 +114,7 @@ fn plain(text: &str, seconds: u64) -> Result<(String, bool), String> {
 /// Where the text lies.
 #[derive(Debug, Clone, Copy)]
 enum Layout {
-    /// Turned about the spot of the text that lies where the tool is.
+    /// Turned about the point of the text that lies where the tool is.
     Straight { turn: f64, at: Spot },
     /// The middle of the text in a direction from the centre; clockwise with the tops outwards.
     Round { middle: f64, radius: f64, clockwise: bool },

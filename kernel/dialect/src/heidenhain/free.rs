@@ -419,10 +419,10 @@ impl Walk<'_> {
         let center = center.or_else(|| self.center_through(flat_end, begins, clockwise).filter(|_| radius.is_none()));
         self.path.base = None;
         let Some(center) = center else {
-            // By its ends and its radius, the shorter way.
+            // By its ends and its radius, the shorter path.
             let (Some(end), Some(radius)) = (end, radius) else { return Err(self.not_determined()) };
             let to = self.flat(&end);
-            // The shorter way, unless FSELECT says otherwise.
+            // The shorter path, unless FSELECT says otherwise.
             let ways = [radius, -radius];
             let signed = if self.path.free.selected(0).is_some() { self.pick(&ways, 0) } else { Some(radius) };
             let center = signed.and_then(|signed| crate::contour::center_by_radius(start, to, signed, clockwise));

@@ -1,4 +1,4 @@
-//! M functions with words of their own: M94 with an axis, M103 with a share, M118 with ways, M138 with axes.
+//! M functions with words of their own: M94 with an axis, M103 with a share, M118 with distances, M138 with axes.
 //!
 //! Facts: programming manuals of the control: M94 acts on the axes it names, otherwise on all; F after M103 is a
 //! percentage; coordinates after M118 limit the travel that a handwheel may add; M197 DL extends offsets outside a

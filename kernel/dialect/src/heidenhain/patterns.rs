@@ -309,7 +309,7 @@ impl Heidenhain {
         Grid { start: [self.q(225), self.q(226)], sides, steps: [self.q(237), self.q(238)], columns, rows }.rows()
     }
 
-    /// The way to the next point and the call there.
+    /// The path to the next point and the call there.
     fn next_point(
         &mut self,
         host: &mut dyn Host,

@@ -1,11 +1,11 @@
 //! Cycle 275: slots along a contour in circles.
 //!
-//! Facts: programming manuals of the control (the contour is the middle of the slot; Q436 is the way forward of a
+//! Facts: programming manuals of the control (the contour is the middle of the slot; Q436 is the path forward of a
 //! circle, Q219 the width of the slot, at most twice the diameter of the tool; a slot as wide as the tool is milled
 //! along its middle; the tool rises after the last circle and comes back to the start for the next infeed; Q366 = 2
 //! plunges to and fro at the angle of the tool, along the line that the contour begins with; the walls are finished
 //! from the start, in infeeds of Q338). Decisions: docs of the family, "Choices of contour cycles". *Invariant:* the
-//! way of the tool stays inside of the slot.
+//! path of the tool stays inside of the slot.
 
 use counterpoint_motion::arc::by_center;
 use counterpoint_motion::contour::closed::Closed;

@@ -1,6 +1,6 @@
 //! The data of cycles along contours: levels, feeds, allowances, direction.
 //!
-//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20, Q8 is a radius of the way of the tool; Q10 to Q19,
+//! Facts: programming manuals of the control (Q1 to Q9 of cycle 20, Q8 is a radius of the path of the tool; Q10 to Q19,
 //! Q208 of the cycles; the lines of the old cycles, which count from where the tool is; cycles 271 to 274 and 277).
 //! Decisions: the tool of 277 comes to a point.
 
@@ -38,7 +38,7 @@ pub(super) struct Task {
     pub(super) rounding: Rounding,
 }
 
-/// The way of the tool inside of corners: an arc of a radius, geometry units.
+/// The path of the tool inside of corners: an arc of a radius, geometry units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rounding {
     /// Where it is round by itself it has at least this radius.

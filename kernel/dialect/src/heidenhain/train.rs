@@ -16,7 +16,7 @@ use super::clearing::{Blocks, levels, within_reason};
 use super::cycles::RAPID;
 use crate::host::Host;
 
-/// The way of a train.
+/// The path of a train.
 struct Train {
     arrives: Option<Element>,
     way: Vec<Element>,
@@ -64,7 +64,7 @@ impl Heidenhain {
         Ok((distance(from, to) > 1e-7).then_some(Element { from, to, arc: None }))
     }
 
-    /// The way of a train.
+    /// The path of a train.
     fn train(&self, host: &dyn Host) -> Result<Train, String> {
         let contour = self.only_contour()?;
         let amount = self.cutter(host)? + self.sl(3) * host.length_factor();

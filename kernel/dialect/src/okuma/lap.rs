@@ -1,4 +1,4 @@
-//! Contours with a name (LAP): where they begin and end, and which one a cycle goes along.
+//! Contours with a name (LAP): where they start and end, and which one a cycle goes along.
 //!
 //! `NLAP1 G81` (G82 along X) starts a contour, G80 ends it; G83 before it starts that of the blank. G85 to G88 go along
 //! the contour that they name. Facts: reference okuma-osp.md 4. *Invariant:* a contour that the program runs into is

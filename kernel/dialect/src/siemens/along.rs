@@ -1,4 +1,4 @@
-//! Directions of the tool that follow the way (LEAD, TILT, ORIPATH), and directions along a cone (ORICONCW, ORICONCCW,
+//! Directions of the tool that follow the path (LEAD, TILT, ORIPATH), and directions along a cone (ORICONCW, ORICONCCW,
 //! ORICONIO, ORICONTO).
 //!
 //! Facts: programming manual, job planning, chapters "three, four and five axis transformation" and "orientation along
@@ -27,7 +27,7 @@ const OFF: f64 = 5.0;
 /// Most degrees that a piece of a cone turns.
 const PIECE: f64 = 2.0;
 
-/// How the tool turns along the way, as the codes of their group say.
+/// How the tool turns along the path, as the codes of their group say.
 #[derive(Debug, Default)]
 pub(super) struct Turning {
     kind: Kind,

@@ -203,7 +203,7 @@ impl Siemens {
         self.fill(host, (&count, &table), &passes(&ways), factor)
     }
 
-    /// Cuts that clear the pocket inside of such ways: rows of a table as those of the ways.
+    /// Cuts that clear the pocket inside of such paths: rows of a table as those of the paths.
     fn lines(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
         let [count, table] = self.targets(host, arguments)?;
         let sizes = self.numbers(host, arguments.get(2..).unwrap_or_default())?;
@@ -341,7 +341,7 @@ impl Siemens {
     }
 }
 
-/// Ways as rows of a table, each after a row of kind 0 with its beginning.
+/// Paths as rows of a table, each after a row of kind 0 with its beginning.
 fn passes(ways: &[Vec<Element>]) -> Vec<[f64; COLUMNS]> {
     let begin = |way: &[Element]| way.first().map(|first| [0.0, first.from[0], first.from[1], 0.0, 0.0]);
     ways.iter().flat_map(|way| begin(way).into_iter().chain(way.iter().map(row))).collect()

@@ -24,7 +24,7 @@ pub(super) struct Held {
     pub(super) spindle: Option<f64>,
     /// Limits of speed of spindles that are not the master, by number.
     pub(super) limits: FxHashMap<i64, f64>,
-    /// How the tool turns along the way.
+    /// How the tool turns along the path.
     pub(super) turning: Turning,
     /// CONTPRON without its EXECUTE.
     pub(super) preparation: Option<Preparation>,

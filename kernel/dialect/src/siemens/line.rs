@@ -351,7 +351,7 @@ fn assignment(cursor: &mut Cursor<'_>, name: Name) -> Result<Item, String> {
             "REP" => return Ok(Item::Set { name, value: Assigned::Fill(arguments(cursor)?) }),
             _ => {}
         }
-        // `CIC` is the incremental way along coded positions.
+        // `CIC` is the incremental path along coded positions.
         let way = if key == "IC" || key == "CIC" {
             Some(Positioning::Incremental)
         } else {

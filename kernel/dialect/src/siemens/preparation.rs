@@ -290,7 +290,7 @@ fn relief_cuts(pieces: &[Element], preparation: &Preparation) -> usize {
     cuts
 }
 
-/// Where an arc is highest and lowest within its way, in order.
+/// Where an arc is highest and lowest within its path, in order.
 fn extremes(piece: &Element, center: [f64; 2], sweep: f64, face: bool) -> Vec<f64> {
     let start = libm::atan2(piece.from[1] - center[1], piece.from[0] - center[0]);
     let radius = libm::hypot(piece.from[0] - center[0], piece.from[1] - center[1]);

@@ -57,7 +57,7 @@ impl Act<'_, '_> {
         if !matches!(unit, FeedUnit::PerMinute | FeedUnit::PerRevolution) || way <= 0.0 {
             return feed;
         }
-        // Straight down the way is the length, except for rounding.
+        // Straight down the path is the length, except for rounding.
         let times = if length - way < way * 1e-12 { 1.0 } else { length / way };
         Some(full.min(full * share * times))
     }

@@ -160,7 +160,7 @@ struct Cuts {
 }
 
 impl Cuts {
-    /// To a spot at the return plane.
+    /// To a point at the return plane.
     fn over(&self, act: &mut Act<'_, '_>, spot: Spot) -> Acted {
         let here = act.programmed();
         let to = self.plane.position(here, spot);
@@ -181,7 +181,7 @@ impl Cuts {
         }
     }
 
-    /// Down at the start, to a way and along it, and up.
+    /// Down at the start, to a path and along it, and up.
     fn out_of_start(&self, act: &mut Act<'_, '_>, way: &[Element], depth: f64) -> Acted {
         let Some(first) = way.first() else { return Ok(()) };
         let to = first.from;

@@ -16,13 +16,13 @@ use crate::act::Act;
 use crate::state::frames::polar::between;
 use counterpoint_event::event::Position;
 
-/// Ways below this are none.
+/// Paths below this are none.
 const NONE: f64 = 1e-9;
 
 /// Steps along a move at whose ends the linear axes that follow the rotary ones are looked at.
 const PLACES: u32 = 16;
 
-/// A piece of a way on the part: its length, and degrees that it goes around the centre.
+/// A piece of a path on the part: its length, and degrees that it goes around the centre.
 type Piece = (f64, f64);
 
 /// Splits a line where the slower of rotary axis and feed changes. `tight`: path length at the feed while the axis
@@ -33,7 +33,7 @@ fn of_line([ax, ay]: [f64; 2], [bx, by]: [f64; 2], tight: f64) -> Vec<Piece> {
     if length < NONE {
         return Vec::new();
     }
-    // From the foot of the perpendicular along the way.
+    // From the foot of the perpendicular along the path.
     let start = (ax * dx + ay * dy) / length;
     let across = (ax * dy - ay * dx).abs() / length;
     let reach = (across * tight - across * across).max(0.0).sqrt();
@@ -150,7 +150,7 @@ impl Act<'_, '_> {
         let speed = length / seconds;
         if let Some(per_degree) = polar.per_degree() {
             let Some(made) = made else { return seconds.max(slowest) };
-            // The first coordinate is the way along the cylinder, or the way round.
+            // The first coordinate is the path along the cylinder, or the way round.
             let round = usize::from(polar.axes()[1] == polar.rotary);
             let pieces = on_cylinder(made, round, rate * per_degree / speed);
             let slowed = pieces.iter().map(|(way, turned)| (way / speed).max(turned / per_degree / rate)).sum::<f64>();

@@ -1,4 +1,4 @@
-//! Absolute words of rotary axes that are angles: the shorter way, or the direction of the sign.
+//! Absolute words of rotary axes that are angles: the shorter path, or the direction of the sign.
 //!
 //! Facts: reference control-emulator.md 1.5 (rotary axes #n11.10, #n11.20), heidenhain-cycles.md 6 (M126, M127).
 //! Decisions: half a turn goes to the positive side; zero has the positive sign; a word of the angle at which the axis
@@ -18,10 +18,10 @@ pub(crate) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::ANGLES_AS_WRITTEN], |act, _, _| shortest(act, false)),
 ];
 
-/// Modal group of the shorter way.
+/// Modal group of the shorter path.
 const SHORTEST: u16 = 151;
 
-/// Rotary axes that have no limits and take positions turn the shorter way to them, or not any more.
+/// Rotary axes that have no limits and take positions turn the shorter path to them, or not any more.
 fn shortest(act: &mut Act<'_, '_>, on: bool) -> Acted {
     let axes: Vec<AxisSlot> = {
         let takes = |(_, axis): &(AxisSlot, &crate::state::position::Axis)| {

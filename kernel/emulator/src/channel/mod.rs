@@ -74,7 +74,7 @@ use counterpoint_sync::tag::Tag;
 pub struct Kernel<'a> {
     /// The view of actions: the block, the position of the kernel, its memory.
     pub channel: Channel<'a>,
-    /// The ways out of the kernel.
+    /// The paths out of the kernel.
     pub ports: Ports<'a>,
     pub(crate) plan: &'a Plan,
     pub(crate) flow: Flow,

@@ -1,4 +1,4 @@
-//! The parts of a kernel beside its channel: the ways out of it, and its pre-processor.
+//! The parts of a kernel beside its channel: the paths out of it, and its pre-processor.
 
 use super::components::Component;
 use super::emit::Emitter;
@@ -54,7 +54,7 @@ impl DialectState {
 pub struct Setup<'a> {
     /// The subject of the run.
     pub env: Environment<'a>,
-    /// The ways out.
+    /// The paths out.
     pub ports: Ports<'a>,
     /// The machine, prepared.
     pub plan: &'a Plan,

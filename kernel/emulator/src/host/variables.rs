@@ -39,7 +39,7 @@ type Write = fn(&mut Kernel<'_>, &[i64], &Value) -> Outcome<()>;
 enum Source {
     /// Kept in the store.
     Kept,
-    /// Read off the kernel; written if there is a way.
+    /// Read off the kernel; written if there is a path.
     State(Read, Option<Write>),
     /// Position of an axis.
     Position(positions::Place),

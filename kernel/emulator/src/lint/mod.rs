@@ -39,7 +39,7 @@ const MOST_PLACES: usize = 10_000;
 /// A place of a program with its callers and their remaining passes.
 type Standing = Vec<(FileId, Spot, u32)>;
 
-/// The way through the program of one channel.
+/// The path through the program of one channel.
 struct Walk<'w, 'k> {
     kernel: &'w mut Kernel<'k>,
     /// Reads blocks that are more than plain words; none if the dialect has no reader.

@@ -1,6 +1,6 @@
 //! Cycles along contour blocks: the blocks are read without acting, then the cycle cuts along the contour.
 //!
-//! The blocks take the usual way through edit, pre-process, split and codes, but by a plan whose actions only record.
+//! The blocks take the usual path through edit, pre-process, split and codes, but by a plan whose actions only record.
 //! So variables, expressions and corners count as the control counts them. *Invariant:* reading changes neither the
 //! position nor modal codes and data, and no event comes from it but diagnostics, and the blocks, calls and returns of
 //! a contour that is a subprogram. Facts: reference turning-cycles.md 1.3. Decision: macros of the machine do not see

@@ -1,4 +1,4 @@
-//! The way of one block: read, edit, pre-process, split, codes, leftovers, follow.
+//! The path of one block: read, edit, pre-process, split, codes, leftovers, follow.
 //!
 //! Each stage is a function in a file of its own. A machine with macros adds hooks between the stages (`plan.hooks`); a
 //! machine without macros has none of them and goes the same way. *Invariant:* there is one path for all blocks, with

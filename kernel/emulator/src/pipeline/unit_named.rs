@@ -55,8 +55,9 @@ fn unit_codes(machine: &Machine) -> Vec<f64> {
     numbers
 }
 
-/// Whether most coordinates have four digits after the point, none is large, and no code names a unit. Programs with rotary
-/// axes or directions (A3=) never do: their posts write four digits in millimetres, too, for the sake of the angles.
+/// Whether most coordinates have four digits after the point, none is large, and no code names a unit. Programs with
+/// rotary axes or directions (A3=) never do: their posts write four digits in millimetres, too, for the sake of the
+/// angles.
 fn looks_like_inches(text: &[u8], names: &[f64]) -> bool {
     let (mut coordinates, mut fine) = (0_usize, 0_usize);
     for line in text.split(|byte| *byte == b'\n') {

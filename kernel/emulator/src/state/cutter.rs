@@ -38,7 +38,7 @@ pub(crate) enum Stage {
     },
     /// Side or radius have changed beside the contour.
     Turned,
-    /// Switched off; the next move in the plane goes to its point. The end of the contour and the direction of the way
+    /// Switched off; the next move in the plane goes to its point. The end of the contour and the direction of the path
     /// there, where they are known.
     Ending(Option<(Spot, Spot)>),
 }
@@ -76,7 +76,7 @@ pub(crate) struct Waiting {
     pub(crate) corner: Option<Corner>,
     /// A line whose end the next one gives.
     pub(crate) open: Option<Open>,
-    /// It is the way to the contour, whose beginning is the end of this move.
+    /// It is the path to the contour, whose beginning is the end of this move.
     pub(crate) smooth: Option<Box<Smooth>>,
     pub(crate) file: FileId,
     pub(crate) line: u32,
@@ -104,7 +104,7 @@ pub(crate) struct Held {
 /// Active compensation.
 #[derive(Debug, Clone)]
 pub(crate) struct Cutter {
-    /// +1 left of the way, −1 right.
+    /// +1 left of the path, −1 right.
     pub(crate) side: f64,
     pub(crate) radius: f64,
     /// From the imaginary tip to the centre of the nose.
@@ -128,7 +128,7 @@ pub(crate) struct Cutter {
     pub(crate) plain: bool,
     /// Requests of the words of the block for the contour, until its move is known.
     pub(crate) asked: Asked,
-    /// A way to the contour or from it that no move has made yet.
+    /// A path to the contour or from it that no move has made yet.
     pub(crate) smooth: Option<Box<Smooth>>,
     /// A new radius that takes effect at the end of the next move in the plane, with the vector from the tip to the
     /// nose centre.

@@ -312,7 +312,7 @@ impl Limits {
         Self { speed: f64::INFINITY, acceleration: f64::INFINITY, jerk: f64::INFINITY }
     }
 
-    /// An axis takes this part of the way.
+    /// An axis takes this part of the path.
     fn axis(&mut self, axis: &Axis, part: f64) {
         let part = part.abs();
         if part > NOISE {
@@ -330,7 +330,7 @@ impl Limits {
 }
 
 impl Along<'_> {
-    /// A straight way, or one whose directions are not known, of this length at least.
+    /// A straight path, or one whose directions are not known, of this length at least.
     fn line(&self, length: f64) -> Option<Stretch> {
         let chord = self.changes.iter().map(|change| change * change).sum::<f64>().sqrt();
         let length = chord.max(length);

@@ -1,6 +1,6 @@
-//! Ways to a contour and from it on lines and parts of circles, as a block asks for them.
+//! Paths to a contour and from it on lines and parts of circles, as a block asks for them.
 //!
-//! *Invariant:* a way is made by one move, or refused.
+//! *Invariant:* a path is made by one move, or refused.
 
 use counterpoint_event::event::FeedUnit;
 use counterpoint_motion::contour::element::Spot;
@@ -40,7 +40,7 @@ pub(crate) enum Speed {
     Feed(Option<f64>, FeedUnit),
 }
 
-/// A way to a contour, or from it.
+/// A path to a contour, or from it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Smooth {
     pub(crate) leaves: bool,
@@ -52,7 +52,7 @@ pub(crate) struct Smooth {
     pub(crate) size: f64,
     /// Where the quick part along the tool ends.
     pub(crate) level: Option<Level>,
-    /// Where the first part of the way ends.
+    /// Where the first part of the path ends.
     pub(crate) retraction: Option<Level>,
     /// Of the slow part along the tool.
     pub(crate) slow: Option<Speed>,

@@ -99,7 +99,7 @@ pub(crate) struct Reading {
     pub(crate) screws: Vec<Option<Screw>>,
     /// The last piece is a rapid move.
     pub(crate) ends_rapid: bool,
-    /// The side on which the nose goes beside it, +1 left of the way, −1 right.
+    /// The side on which the nose goes beside it, +1 left of the path, −1 right.
     pub(crate) side: Option<f64>,
     /// Pieces before it goes on the contour again.
     pub(crate) beside: Option<usize>,

@@ -30,7 +30,7 @@ impl Kind {
     /// All of them, in the order of their rules.
     const ALL: [Self; 3] = [Self::Synchronous, Self::Composite, Self::Superimposed];
 
-    /// The codes that begin and end it.
+    /// The codes that start and end it.
     fn codes(self) -> [CodeId; 2] {
         match self {
             Self::Synchronous => [codes::COUPLE_SYNCHRONOUS, codes::COUPLE_SYNCHRONOUS_OFF],

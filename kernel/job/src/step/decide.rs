@@ -160,7 +160,7 @@ impl State {
             channel.left = channel.left.saturating_sub(1);
         }
         let seen = channel.seen.get_or_insert_default();
-        // Others may stop the run while this block is under way.
+        // Others may stop the run while this block is in progress.
         if (several || !passes) && channel.writes != Some(writes) {
             (seen.variables, channel.writes) = (variables(), Some(writes));
         }

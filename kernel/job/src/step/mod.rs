@@ -49,7 +49,7 @@ struct Channel {
     number: u16,
     /// Where it was seen last.
     seen: Option<Seen>,
-    /// It is before the block where it was seen; otherwise the block is under way.
+    /// It is before the block where it was seen; otherwise the block is in progress.
     at_block: bool,
     /// The breakpoints at that block have been looked at.
     looked: bool,
@@ -215,7 +215,7 @@ impl<'a> Director<'a> {
         Ok(None)
     }
 
-    /// A block that is under way is the first one of a step.
+    /// A block that is in progress is the first one of a step.
     fn step(&self, state: &mut State, whom: Whom, blocks: u32) -> Result<(), String> {
         let under_way = |channel: &Channel, waits: bool| {
             let doing = self.doing(channel.number);

@@ -61,7 +61,7 @@ pub struct Turning {
     pub back: f64,
     /// A contour whose first block moves both axes may have pockets.
     pub pockets: bool,
-    /// A rapid move at the end of a contour is the way off it, and none of it.
+    /// A rapid move at the end of a contour is the path off it, and none of it.
     pub retracts: bool,
     /// Distance of two opposite turrets, for codes that mirror X.
     pub opposite: f64,

@@ -60,7 +60,7 @@ pub(super) fn size(ring: &[Element]) -> f64 {
     ring.iter().map(piece).sum()
 }
 
-/// A way or ring in the opposite direction.
+/// A path or ring in the opposite direction.
 #[must_use]
 pub fn backwards(ring: &[Element]) -> Vec<Element> {
     ring.iter().rev().map(turned).collect()

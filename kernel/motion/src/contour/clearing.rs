@@ -1,4 +1,4 @@
-//! How a tool clears an area: cuts along the first axis that follow each other along the rim, then ways along all
+//! How a tool clears an area: cuts along the first axis that follow each other along the rim, then paths along all
 //! walls.
 //!
 //! Decisions: a cut continues with the next one above it where the rim leads there without going down; where it does
@@ -131,7 +131,7 @@ impl Clearing {
         self.blank.as_ref().is_some_and(|blank| !blank.holds(spot))
     }
 
-    /// Ways along the walls; where cuts end at them, they begin there.
+    /// Paths along the walls; where cuts end at them, they begin there.
     #[must_use]
     pub fn ways(&self, rows: &[Vec<Element>]) -> Vec<Vec<Element>> {
         let begun = |way: &Vec<Element>| {
@@ -150,7 +150,7 @@ impl Clearing {
     }
 }
 
-/// A way from where a straight line to it meets it first; as it is where that does not.
+/// A path from where a straight line to it meets it first; as it is where that does not.
 #[must_use]
 pub fn begun_where(way: &[Element], line: &Element) -> Vec<Element> {
     let spots = way.iter().flat_map(|piece| meetings(piece, line));
@@ -163,19 +163,19 @@ fn ends(rows: &[Vec<Element>]) -> impl Iterator<Item = Spot> {
     rows.iter().flatten().flat_map(|cut| [cut.from, cut.to])
 }
 
-/// Ways beside all rings, if each keeps away from all walls.
+/// Paths beside all rings, if each keeps away from all walls.
 fn plain(rings: &[Vec<Element>], walls: &[Closed], by: f64) -> Option<Vec<Vec<Element>>> {
     let ways: Option<Vec<_>> = rings.iter().map(|ring| shifted(ring, 1.0, by)).collect();
     ways.filter(|ways| ways.iter().flatten().all(|piece| is_clear(piece, walls, by)))
 }
 
-/// Whether ways lie in the area: one that keeps its distance does not leave the area it begins in.
+/// Whether paths lie in the area: one that keeps its distance does not leave the area it begins in.
 fn are_inside(ways: &[Vec<Element>], rings: &[Closed]) -> bool {
     let inside = |spot: Spot| rings.iter().filter(|ring| ring.holds(spot)).count() % 2 == 1;
     ways.iter().all(|way| way.first().is_some_and(|first| inside(first.from)))
 }
 
-/// A ring from one of its spots on.
+/// A ring from one of its points on.
 fn begun_at(ring: &[Element], spot: Spot) -> Option<Vec<Element>> {
     let at = ring.iter().position(|piece| to_piece(piece, spot) < SAME)?;
     let piece = *ring.get(at)?;
@@ -190,7 +190,7 @@ fn begun_at(ring: &[Element], spot: Spot) -> Option<Vec<Element>> {
     Some(std::iter::once(first).chain(others).chain([rest]).collect())
 }
 
-/// The first part of a way, up to where it reaches the second height; none if it goes below the first one before.
+/// The first part of a path, up to where it reaches the second height; none if it goes below the first one before.
 fn up_to(way: &[Element], [low, high]: [f64; 2]) -> Option<Vec<Element>> {
     let mut link = Vec::new();
     for element in way {

@@ -11,7 +11,7 @@ use super::near::{at, nearest};
 use super::shifted;
 use crate::arc::{Arc, by_center};
 
-/// How much nearer than it should a way may come.
+/// How much nearer than it should a path may come.
 const NEAR: f64 = 1e-5;
 
 /// Most lines of cuts.
@@ -116,7 +116,7 @@ impl Closed {
         Self { elements: all.filter(|piece| piece.length() > NOISE).collect() }
     }
 
-    /// The way beside it, to the left with a side of +1, to the right with −1; none where it does not fit.
+    /// The path beside it, to the left with a side of +1, to the right with −1; none where it does not fit.
     #[must_use]
     pub fn beside(&self, side: f64, amount: f64) -> Option<Self> {
         if amount < NOISE {
@@ -159,8 +159,8 @@ pub fn is_clear(element: &Element, contours: &[Closed], amount: f64) -> bool {
 /// A straight cut.
 pub type Cut = (Spot, Spot);
 
-/// Cuts between closed ways, to and fro, at most `apart`; cuts that follow each other through room that is free make
-/// one row. The ways are those of the middle of a tool. None where there would be too many.
+/// Cuts between closed paths, to and fro, at most `apart`; cuts that follow each other through room that is free make
+/// one row. The paths are those of the middle of a tool. None where there would be too many.
 #[must_use]
 pub fn cuts(ways: &[Closed], apart: f64, is_free: impl Fn(&Element) -> bool) -> Option<Vec<Vec<Cut>>> {
     let elements = || ways.iter().flat_map(|way| &way.elements);

@@ -1,5 +1,5 @@
 //! Areas that are put together from the insides of closed contours: unions, differences, common parts, anything that is
-//! asked of where a spot lies.
+//! asked of where a point lies.
 //!
 //! All contours are cut where they meet. Both sides of each piece are tested, and the pieces with the area on one side
 //! alone are its rim. *Invariant:* rings have the area on their left, so outer rings run counter-clockwise, and no two
@@ -17,7 +17,7 @@ use crate::arc::Arc;
 /// Most pieces of a rim.
 const MOST_PIECES: usize = 10_000;
 
-/// A piece between two spots where contours meet, by their numbers.
+/// A piece between two points where contours meet, by their numbers.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     element: Element,
@@ -39,13 +39,13 @@ impl Spots {
     }
 }
 
-/// Whether two contours have a spot in common.
+/// Whether two contours have a point in common.
 #[must_use]
 pub fn touch(a: &Closed, b: &Closed) -> bool {
     a.elements().iter().any(|one| b.elements().iter().any(|other| !meetings(one, other).is_empty()))
 }
 
-/// The area where `inside` says so of the contours that hold a spot; none if its rim does not close.
+/// The area where `inside` says so of the contours that hold a point; none if its rim does not close.
 #[must_use]
 pub fn combined(contours: &[Closed], inside: impl Fn(&[bool]) -> bool) -> Option<Vec<Closed>> {
     let mut rim: Vec<Piece> = Vec::new();
@@ -160,7 +160,7 @@ fn may_meet(a: &Element, b: &Element) -> bool {
     distance(one, other) <= radius + more + 2.0 * SAME
 }
 
-/// Direction of a piece at one of its spots.
+/// Direction of a piece at one of its points.
 fn heading(piece: &Element, spot: Spot) -> Spot {
     match &piece.arc {
         None => piece.start(),

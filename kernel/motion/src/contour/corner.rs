@@ -1,14 +1,14 @@
 //! The path between two pieces of a contour: the offsets cut each other inside, and are joined outside.
 //!
 //! Facts: reference control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius". *Invariant:* every way is
-//! finite; where the tool does not fit, the way goes beside the contour's points and says so.
+//! finite; where the tool does not fit, the path goes beside the contour's points and says so.
 
 use super::element::{Element, NOISE, Spot, beside, cross, distance, dot, plus};
 
 /// The offset of a contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Offset {
-    /// +1 left of the way, −1 right.
+    /// +1 left of the path, −1 right.
     pub side: f64,
     /// Radius of the tool, length units.
     pub radius: f64,
@@ -48,7 +48,7 @@ pub enum Link {
     },
 }
 
-/// The end of one piece and the way to the next.
+/// The end of one piece and the path to the next.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corner {
     /// Where the offset of the first piece ends.
@@ -388,7 +388,7 @@ mod tests {
                     here = (to, along(to));
                 }
                 assert!(distance(here.1, second.start()) < 1e-6, "{turn} {by}");
-                // The highest point is part of the way from the circle to the intersection of the paths.
+                // The highest point is part of the path from the circle to the intersection of the paths.
                 let Link::Round { to: top, .. } = corner.links[1] else { panic!() };
                 let meets = 2.0 / (turn / 2.0).to_radians().cos();
                 assert!((distance(top, [0.0; 2]) - (2.0 + by * (meets - 2.0))).abs() < 1e-9, "{turn} {by}");

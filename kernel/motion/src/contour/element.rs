@@ -1,6 +1,6 @@
 //! A piece of the contour in its plane, and its offset.
 //!
-//! Coordinates are those of the plane, as geometry (radii). The side is +1 for a tool left of the way, −1 right.
+//! Coordinates are those of the plane, as geometry (radii). The side is +1 for a tool left of the path, −1 right.
 //! *Invariant:* an element has a length.
 
 use std::f64::consts::TAU;
@@ -81,7 +81,7 @@ impl Element {
         by.map(|part| part / length)
     }
 
-    /// Length of the way along it.
+    /// Length of the path along it.
     pub fn length(&self) -> f64 {
         self.arc.as_ref().map_or_else(|| distance(self.from, self.to), Arc::length)
     }
@@ -103,7 +103,7 @@ impl Element {
         self.arc.is_some() && self.offset_radius(side, radius).is_none()
     }
 
-    /// The part of the element between two of its spots.
+    /// The part of the element between two of its points.
     #[must_use]
     pub fn between(&self, from: Spot, to: Spot) -> Self {
         let arc = self.arc.map(|arc| {
@@ -117,7 +117,7 @@ impl Element {
         Self { from, to, arc }
     }
 
-    /// Share of the element that is done at a spot of its offset.
+    /// Share of the element that is done at a point of its offset.
     pub fn share(&self, spot: Spot) -> f64 {
         let Some(arc) = &self.arc else {
             let by = plus(self.to, self.from, -1.0);
@@ -132,7 +132,7 @@ impl Element {
     }
 }
 
-/// Direction of an arc at one of its spots.
+/// Direction of an arc at one of its points.
 fn along(arc: &Arc, spot: Spot) -> Spot {
     let [x, y] = plus(spot, arc.center, -1.0);
     let length = (x * x + y * y).sqrt().max(f64::MIN_POSITIVE);
@@ -140,12 +140,12 @@ fn along(arc: &Arc, spot: Spot) -> Spot {
     [-y / length * turn, x / length * turn]
 }
 
-/// Where the tool is beside a spot of the contour.
+/// Where the tool is beside a point of the contour.
 pub fn beside(spot: Spot, [x, y]: Spot, side: f64, radius: f64) -> Spot {
     plus(spot, [-y, x], side * radius)
 }
 
-/// Direction from a centre to a spot.
+/// Direction from a centre to a point.
 pub fn angle(center: Spot, spot: Spot) -> f64 {
     let [x, y] = plus(spot, center, -1.0);
     libm::atan2(y, x)

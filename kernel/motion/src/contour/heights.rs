@@ -1,16 +1,16 @@
-//! Heights along a way beside a contour that has some.
+//! Heights along a path beside a contour that has some.
 //!
-//! Decisions: a spot beside the contour is as high as the spot of the contour that it lies beside; around a corner
-//! outside the way stays as high as the corner. *Invariant:* a way that is not beside the contour has no heights.
+//! Decisions: a point beside the contour is as high as the point of the contour that it lies beside; around a corner
+//! outside the path stays as high as the corner. *Invariant:* a path that is not beside the contour has no heights.
 
 use super::element::{Element, beside, distance};
 use super::near::at;
 
-/// How far a spot may lie off the contour.
+/// How far a point may lie off the contour.
 const OFF: f64 = 1e-4;
 
-/// Heights of the ends of each element of a way that lies on one side of a contour by an amount; those of the elements
-/// of the contour are given. None where an element of the way lies beside nothing.
+/// Heights of the ends of each element of a path that lies on one side of a contour by an amount; those of the elements
+/// of the contour are given. None where an element of the path lies beside nothing.
 #[must_use]
 pub fn heights(way: &[Element], (side, amount): (f64, f64), contour: &[(Element, [f64; 2])]) -> Option<Vec<[f64; 2]>> {
     let mut first = 0;
@@ -45,7 +45,7 @@ mod tests {
     fn spots_are_as_high_as_what_they_lie_beside() {
         let contour = [line([0.0, 0.0], [10.0, 0.0]), line([10.0, 0.0], [10.0, 10.0])];
         let high = [(contour[0], [0.0, -5.0]), (contour[1], [-6.0, -8.0])];
-        // Inside, the way ends 2 before the corner; then it begins 2 after it.
+        // Inside, the path ends 2 before the corner; then it begins 2 after it.
         let inside = rounded(&contour, 1.0, 2.0).unwrap();
         assert_eq!(heights(&inside, (1.0, 2.0), &high), Some(vec![[0.0, -4.0], [-6.4, -8.0]]));
         // Outside, the arc around the corner is as high as the end of the first element.

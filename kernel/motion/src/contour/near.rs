@@ -1,4 +1,4 @@
-//! Distances of pieces of contours from spots and from each other, exact for lines and arcs.
+//! Distances of pieces of contours from points and from each other, exact for lines and arcs.
 //!
 //! Invariant: nothing is sampled, so thin or short parts are not overlooked.
 
@@ -20,7 +20,7 @@ pub(super) fn on(arc: &Arc, angle: f64) -> Spot {
     plus(arc.center, [libm::cos(angle), libm::sin(angle)], arc.radius)
 }
 
-/// Distance of a spot from a piece.
+/// Distance of a point from a piece.
 pub(super) fn to_piece(piece: &Element, spot: Spot) -> f64 {
     let ends = distance(piece.from, spot).min(distance(piece.to, spot));
     let beside = match &piece.arc {

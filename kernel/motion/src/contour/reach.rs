@@ -1,7 +1,7 @@
 //! The region of a tool centre inside contours, the area cleared from there, and the rest for a smaller tool.
 //!
 //! A spot is too near to a contour if it lies in the band beside one of its elements, or in the disc about one of its
-//! corners. *Invariant:* the ways are exact lines and arcs; contours with too many elements have none.
+//! corners. *Invariant:* the paths are exact lines and arcs; contours with too many elements have none.
 
 use std::f64::consts::{PI, TAU};
 
@@ -28,7 +28,7 @@ pub fn grown(contours: &[Closed], amount: f64) -> Option<Vec<Closed>> {
     beside_of(contours, amount, |inside, near| inside || near)
 }
 
-/// The area of two areas, by whether a spot lies in the one and in the other.
+/// The area of two areas, by whether a point lies in the one and in the other.
 #[must_use]
 pub fn of_two(one: &[Closed], other: &[Closed], inside: impl Fn(bool, bool) -> bool) -> Option<Vec<Closed>> {
     let all: Vec<Closed> = one.iter().chain(other).cloned().collect();

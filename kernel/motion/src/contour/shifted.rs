@@ -21,7 +21,7 @@ pub fn rounded(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Elemen
     beside(contour, Offset { side, radius: amount, corner: 2, limit: -1.0, shape: None })
 }
 
-/// A way between two pieces.
+/// A path between two pieces.
 fn of_link(here: Spot, link: Link) -> Element {
     match link {
         Link::Line(to) => Element { from: here, to, arc: None },

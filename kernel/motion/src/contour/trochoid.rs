@@ -1,4 +1,4 @@
-//! Circles that go forward along a way: trochoidal milling.
+//! Circles that go forward along a path: trochoidal milling.
 //!
 //! Decisions: full circles about places of the path that are a step apart, and between two of them a piece beside the
 //! path, on the side where the circle goes forward, so that there is no corner on a straight path. The last step is the
@@ -12,7 +12,7 @@ use crate::arc::by_center;
 /// Most circles.
 const MOST: f64 = 100_000.0;
 
-/// Circles of a radius about places of a way that are a step apart, from the first place to the last one; none where
+/// Circles of a radius about places of a path that are a step apart, from the first place to the last one; none where
 /// there are too many or a length is none.
 #[must_use]
 pub fn trochoid(way: &[Element], radius: f64, step: f64, clockwise: bool) -> Option<Vec<Element>> {
@@ -42,7 +42,7 @@ pub fn trochoid(way: &[Element], radius: f64, step: f64, clockwise: bool) -> Opt
     Some(out)
 }
 
-/// The place of a way at a length from its start: the number of its element, the spot, the direction there.
+/// The place of a path at a length from its start: the number of its element, the point, the direction there.
 fn along(way: &[Element], length: f64) -> Option<(usize, Spot, Spot)> {
     let mut left = length;
     let last = way.len().checked_sub(1)?;
@@ -74,7 +74,7 @@ mod tests {
             made.iter().filter(|element| element.arc.is_some()).map(|element| element.from).collect();
         assert_eq!(starts, [[0.0, -2.0], [2.0, -2.0], [4.0, -2.0], [5.0, -2.0]]);
         assert!(made.windows(2).all(|pair| distance(pair[0].to, pair[1].from) < 1e-9));
-        // No corner on a straight way.
+        // No corner on a straight path.
         assert!(made.windows(2).all(|pair| distance(pair[0].end(), pair[1].start()) < 1e-9));
         let with_the_clock = trochoid(&[line([0.0, 0.0], [5.0, 0.0])], 2.0, 2.0, true).unwrap();
         assert_eq!(with_the_clock[0].from, [0.0, 2.0]);

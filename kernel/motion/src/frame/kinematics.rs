@@ -95,7 +95,7 @@ impl<A: Copy> Chain<A> {
     }
 
     /// How fast the linear axes follow the rotary ones while the tip stays at a point of the part; `turning`: degrees
-    /// of each axis in some time, in which the way is made.
+    /// of each axis in some time, in which the path is made.
     pub fn following(&self, part: Point, length: Point, angle: impl Fn(A) -> f64, turning: impl Fn(A) -> f64) -> f64 {
         let carried = |joints: &[Joint<A>], sign: f64, point: Point| {
             let (mut point, mut speed) = (point, Vector3::zeros());

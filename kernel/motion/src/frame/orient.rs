@@ -12,7 +12,7 @@ use super::kinematics::{Angles, Chain};
 /// Differences below this are none, degrees.
 const NOISE: f64 = 1e-9;
 
-/// Differences of ways below this decide nothing, degrees.
+/// Differences of paths below this decide nothing, degrees.
 const EQUAL: f64 = 1e-6;
 
 /// A rotary axis as it stands.

@@ -70,7 +70,7 @@ pub trait Sink {
         Ok(())
     }
 
-    /// The nose of the tool goes beside the moves that follow, on a side: +1 left of the way, −1 right; or on them
+    /// The nose of the tool goes beside the moves that follow, on a side: +1 left of the path, −1 right; or on them
     /// again.
     ///
     /// # Errors

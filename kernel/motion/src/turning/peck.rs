@@ -19,7 +19,7 @@ pub struct Settings {
     pub end: Spot,
     /// One peck; 0 for one stroke.
     pub peck: f64,
-    /// From column to column; 0 for one column, or the way to the last one in one go.
+    /// From column to column; 0 for one column, or the path to the last one in one go.
     pub shift: f64,
     /// Way back after a peck.
     pub back: f64,

@@ -38,7 +38,7 @@ pub struct Strip {
     pub lift: f64,
     /// Levels go up along the contour.
     pub rounds: bool,
-    /// Seconds of a pause in a cut, and the way after which there is one; 0 for none.
+    /// Seconds of a pause in a cut, and the path after which there is one; 0 for none.
     pub pause: [f64; 2],
     /// Feed of levels, into relief cuts, along the contour.
     pub feeds: [f64; 3],

@@ -55,7 +55,7 @@ impl Scanner {
         if Some(byte) == self.eob {
             return Some(at + 1);
         }
-        // The end of a comment that has no begin is nothing, as behind a comment within a comment.
+        // The end of a comment that has no start is nothing, as behind a comment within a comment.
         let (_, end) = self.comment.as_ref().filter(|(_, end)| end.first() == Some(&byte))?;
         line.get(at..)?.starts_with(end).then_some(at + end.len())
     }

@@ -28,7 +28,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// The times so far, as those of a tool begin and end with them.
+    /// The times so far, as those of a tool start and end with them.
     pub fn times(&self) -> ToolTimes {
         let Self { feed_ns, rapid_ns, misc_ns, wait_ns, .. } = *self;
         ToolTimes { feed_ns, rapid_ns, misc_ns, wait_ns }

@@ -13,13 +13,13 @@ pub(super) const CHORD: f64 = std::f64::consts::TAU / 120.0;
 /// Chords of a circle with many turns.
 pub(super) const MOST_CHORDS: f64 = 4000.0;
 
-/// Shares of the way at which chords of a turn through this angle end, both ends of the way excluded.
+/// Shares of the path at which chords of a turn through this angle end, both ends of the path excluded.
 pub(super) fn shares(angle: f64) -> Vec<f64> {
     let parts = (angle.abs() / CHORD).ceil().clamp(1.0, MOST_CHORDS);
     (1..parts as u32).map(|part| f64::from(part) / parts).collect()
 }
 
-/// The way between two positions, all axes in proportion.
+/// The path between two positions, all axes in proportion.
 pub(super) fn between(motion: &Motion, share: f64) -> Position {
     let mut position = motion.to;
     for ((slot, to), from) in position.iter_mut().zip(motion.to).zip(motion.from) {

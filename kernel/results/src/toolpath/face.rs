@@ -11,7 +11,7 @@ use super::chords;
 use super::store::{Here, Move, Path, Stroke};
 use crate::geometry::{Loop, Sweep, scale};
 
-/// A move counts as straight if its length is that of the straight way, within this, mm or inch.
+/// A move counts as straight if its length is that of the straight path, within this, mm or inch.
 const STRAIGHT: f64 = 1e-3;
 
 /// Builder of the path on the face.

@@ -65,7 +65,7 @@ pub struct Curve {
     pub start: f64,
     /// Angle gone through, negative = clockwise, full turns included.
     pub angle: f64,
-    /// Full turns in addition to the way from start to end.
+    /// Full turns in addition to the path from start to end.
     pub turns: u16,
 }
 

@@ -429,7 +429,7 @@ fn the_face_of_the_part_shows_the_work_of_live_tools() {
             cut(line, motion(MotionKind::Rapid, &[40.0, -8.0, c], &[40.0, 5.0, c])),
         ]
     };
-    // From X20 Y-20 to X20 Y20 of the face: radius 28.2843, C from -45 to 45, a way of 40.
+    // From X20 Y-20 to X20 Y20 of the face: radius 28.2843, C from -45 to 45, a path of 40.
     let r = 2.0 * 800_f64.sqrt();
     let side = Motion { length: 40.0, ..motion(MotionKind::Linear, &[r, 5.0, -45.0], &[r, 5.0, 45.0]) };
     let round = Motion { length: 90.0, ..motion(MotionKind::Linear, &[r, 5.0, 45.0], &[r, 5.0, 135.0]) };

@@ -1,4 +1,4 @@
-//! The form of the ledger: its number, and the way to it from every earlier one.
+//! The form of the ledger: its number, and the path to it from every earlier one.
 //!
 //! A ledger of an earlier form is brought to this one when it is opened, in one transaction. Invariant: the file holds
 //! the old form or the new one, never a mixture; a ledger of a later form is not touched.

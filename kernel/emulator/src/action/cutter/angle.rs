@@ -159,7 +159,7 @@ impl Act<'_, '_> {
         axes.map(|axis| self.radial(of, axis))
     }
 
-    /// Sets one coordinate of a programmed point to that of a spot.
+    /// Sets one coordinate of a programmed point to that of a point.
     fn put_flat(&self, position: &mut Position, (axes, at): ([AxisSlot; 2], usize), spot: Spot) {
         let (Some(axis), Some(value)) = (axes.get(at).copied(), spot.get(at)) else { return };
         let scale = self.state.place.layout.axes[axis].scale;

@@ -68,7 +68,7 @@ impl Act<'_, '_> {
         self.state.modal.code(AROUND) == Some(codes::CONTOUR_AROUND)
     }
 
-    /// Direction of the line over a way beside a corner that stays the radius away from it, turned to a side.
+    /// Direction of the line over a path beside a corner that stays the radius away from it, turned to a side.
     fn tangent(&mut self, cutter: &Cutter, way: Spot, side: f64, alarm: u32) -> Result<Option<Spot>, diag::Halt> {
         let length = distance(way, [0.0; 2]);
         if length < cutter.radius - NOISE {

@@ -46,8 +46,8 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
     true
 }
 
-/// Effect of an action on corners: moves along the contour may wait, also while a spindle that only this channel uses is
-/// commanded; any other action ends the waiting.
+/// Effect of an action on corners: moves along the contour may wait, also while a spindle that only this channel uses
+/// is commanded; any other action ends the waiting.
 pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
     let rounds = act.state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
     let shared = act.state.spindle.shared;
@@ -65,7 +65,7 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
             act.flush_lookahead()?;
             let plane = compensated_plane(act);
             match act.cutter() {
-                // A way to the contour is still to come, in the plane that is active then.
+                // A path to the contour is still to come, in the plane that is active then.
                 Some(cutter) if cutter.smooth.is_some() => {
                     if let Some((_, axes)) = plane {
                         cutter.axes = axes;

@@ -40,7 +40,7 @@ impl Act<'_, '_> {
         plus(self.plane_spot(&self.state.place.position, cutter.axes), cutter.tip, 1.0)
     }
 
-    /// The position that puts the tool's centre on a spot straight from where it is, the other axes where `to` has
+    /// The position that puts the tool's centre on a point straight from where it is, the other axes where `to` has
     /// them.
     pub(super) fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
         let mut position = *to;
@@ -273,7 +273,7 @@ impl Act<'_, '_> {
             && offset.goes_around(first, second)
     }
 
-    /// Along the offset of a piece to a spot of it.
+    /// Along the offset of a piece to a point of it.
     pub(super) fn along(&mut self, step: &Step, cutter: &Cutter, element: &Element, end: Spot) -> Acted {
         let to = self.position_at(cutter, &step.to, end);
         let (Some(arc), Shape::Circle { axes, turns, .. }) = (&element.arc, step.shape) else {

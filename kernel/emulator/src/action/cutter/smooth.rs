@@ -35,13 +35,13 @@ pub(in crate::action) const ENTRIES: &[Entry] = &[
     Entry::of(&[codes::SMOOTH_HALF_OUT], |act, _, _| asked(act, Form::Half, true)).contour(Contour::Waits),
 ];
 
-/// Blocks without motion in the plane between the way and the contour (MD20202).
+/// Blocks without motion in the plane between the path and the contour (MD20202).
 pub(super) const LOOKED_THROUGH: u32 = 5;
 
-/// Length by which the way along the tool may turn back (MD20204).
+/// Length by which the path along the tool may turn back (MD20204).
 const TOLERANCE: f64 = 0.01;
 
-/// A block asks for a way.
+/// A block asks for a path.
 fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
     act.flush_lookahead()?;
     if !corner::take_part(act) {
@@ -119,7 +119,7 @@ fn level_of(act: &mut Act<'_, '_>, [above, at]: [DataId; 2]) -> Option<Level> {
     at.or(above)
 }
 
-/// Heights of a way along the tool: of the far end, of the end of the quick part, of the contour.
+/// Heights of a path along the tool: of the far end, of the end of the quick part, of the contour.
 #[derive(Debug, Clone, Copy)]
 struct Heights {
     axis: Option<AxisSlot>,
@@ -138,7 +138,7 @@ struct Touch {
 }
 
 impl Act<'_, '_> {
-    /// Says why a way is not possible.
+    /// Says why a path is not possible.
     pub(super) fn refuse_way(&mut self, why: &str, alarm: u32) -> Acted {
         let text = format!("'{}': {why} (alarm {alarm})", self.block_text());
         self.diagnose(&diag::CONTOUR_APPROACH, text);
@@ -169,7 +169,7 @@ impl Act<'_, '_> {
         (length > NOISE).then(|| way.map(|part| part / length))
     }
 
-    /// Takes the move of a block while a way is requested.
+    /// Takes the move of a block while a path is requested.
     pub(super) fn smooth_step(&mut self, step: Step, smooth: Box<Smooth>) -> Acted {
         if smooth.leaves {
             return self.smooth_retract(Some(&step), &smooth);
@@ -209,7 +209,7 @@ impl Act<'_, '_> {
         }
     }
 
-    /// Heights of a way; `far` is that of its far end where it is known. None if it was refused.
+    /// Heights of a path; `far` is that of its far end where it is known. None if it was refused.
     fn heights(&mut self, smooth: &Smooth, contour: f64, far: Option<f64>) -> Result<Option<Heights>, diag::Halt> {
         let Some(axis) = self.axis_of_tool() else {
             return Ok(Some(Heights { axis: None, far: 0.0, quick: 0.0, contour: 0.0 }));
@@ -228,7 +228,7 @@ impl Act<'_, '_> {
         Ok(Some(Heights { axis: Some(axis), far, quick, contour }))
     }
 
-    /// The line or circle at a point with a direction; `ahead` is 1 for the way from the contour, −1 for that to it.
+    /// The line or circle at a point with a direction; `ahead` is 1 for the path from the contour, −1 for that to it.
     /// None if it was refused.
     fn touch(
         &mut self,
@@ -271,7 +271,7 @@ impl Act<'_, '_> {
         Ok(Some(Touch { far, circle: Some((center, side)) }))
     }
 
-    /// A straight part of a way.
+    /// A straight part of a path.
     fn part(&mut self, coded: u8, to: Position, speed: Speed) -> Acted {
         if to == self.state.place.position {
             return Ok(());
@@ -286,7 +286,7 @@ impl Act<'_, '_> {
         self.straight(&step, to)
     }
 
-    /// The line or circle of a way, to a spot at a height.
+    /// The line or circle of a path, to a point at a height.
     fn curve(
         &mut self,
         (coded, cutter, smooth): (u8, &Cutter, &Smooth),
@@ -315,7 +315,7 @@ impl Act<'_, '_> {
         self.round(&Circle { made, coded, from, to, axes: cutter.axes, turns: 0, feed, unit, screw: None })
     }
 
-    /// Makes the way to a contour whose first piece is known now.
+    /// Makes the path to a contour whose first piece is known now.
     pub(super) fn smooth_approach(&mut self, waits: &Waiting, smooth: &Smooth, next: Option<&Element>) -> Acted {
         let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
         let step = &waits.step;
@@ -368,7 +368,7 @@ impl Act<'_, '_> {
         self.curve((step.coded, &cutter, smooth), &touch, (level, at), speed)
     }
 
-    /// Makes the way from a contour; a step says where it ends.
+    /// Makes the path from a contour; a step says where it ends.
     fn smooth_retract(&mut self, step: Option<&Step>, smooth: &Smooth) -> Acted {
         let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
         let Some(heading) = smooth.heading else {

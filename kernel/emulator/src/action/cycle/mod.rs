@@ -176,7 +176,7 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
         return Err(act.alarm(&diag::TAP_SPEED, text));
     }
     let Some(mut hole) = heights(act, kind, words) else { return Ok(()) };
-    // The way to the hole includes a change of the length that has not been travelled yet.
+    // The path to the hole includes a change of the length that has not been travelled yet.
     act.ways_travelled(hole.axis.bit());
     for pass in 0..words.times {
         if pass > 0 {

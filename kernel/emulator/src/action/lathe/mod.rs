@@ -191,7 +191,7 @@ fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) 
     cutting.go(Move::Rapid([start_z, start_x]))
 }
 
-/// The way of the imaginary tip whose nose goes beside a contour, up to a piece; as it is where the tool has no nose.
+/// The path of the imaginary tip whose nose goes beside a contour, up to a piece; as it is where the tool has no nose.
 fn beside(act: &Act<'_, '_>, contour: &[Element], (side, until): (f64, Option<usize>)) -> Option<Vec<Element>> {
     let number = act.diameter_number();
     let radius = act.cutter_radius(number);

@@ -1,6 +1,6 @@
 //! Threads along circles in the plane of turning.
 //!
-//! Facts: reference okuma-osp.md 2 (G112, G113, M26, M27). *Invariant:* the way is the circle itself, its time that of
+//! Facts: reference okuma-osp.md 2 (G112, G113, M26, M27). *Invariant:* the path is the circle itself, its time that of
 //! the lead. Decisions: docs/emulation.md, "Threads".
 
 use counterpoint_machine::ident::data;

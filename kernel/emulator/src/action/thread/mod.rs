@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (lead = pitch · starts); the lead counts along the axis with the longer
 //! travel as on the real control, unless a word names its axis; cycles of such moves are in `cycle`. *Invariant:* the
-//! time is integrated exactly, with leads and speeds that change along the way. Decisions: docs/emulation.md,
+//! time is integrated exactly, with leads and speeds that change along the path. Decisions: docs/emulation.md,
 //! "Threads".
 
 mod arc;
@@ -205,7 +205,7 @@ impl Act<'_, '_> {
         Ok(seconds)
     }
 
-    /// The same for a way along the axis of the lead, geometry units.
+    /// The same for a path along the axis of the lead, geometry units.
     fn lead_seconds(&mut self, target: &Position, way: f64, screw: &Screw) -> Result<f64, Halt> {
         let from = self.state.place.position;
         if screw.lead.is_nan() || screw.lead <= 0.0 {

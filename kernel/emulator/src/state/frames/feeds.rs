@@ -30,7 +30,7 @@ impl Channel<'_> {
         one.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt() / 2.0
     }
 
-    /// Angles of rotary axes as the ways that the tip makes on the part.
+    /// Angles of rotary axes as the distances that the tip makes on the part.
     #[cold]
     pub(super) fn as_ways(&self, changes: &mut Position, from: &Position) {
         for (axis, of) in self.state.place.layout.axes.entries() {

@@ -67,7 +67,7 @@ pub(crate) fn between([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     libm::atan2(ax * by - ay * bx, ax * bx + ay * by).to_degrees()
 }
 
-/// Degrees that a way of short steps goes around the centre.
+/// Degrees that a path of short steps goes around the centre.
 pub(crate) fn round_the_centre(points: impl Iterator<Item = [f64; 2]>) -> f64 {
     let mut sum = 0.0;
     let mut last: Option<[f64; 2]> = None;

@@ -82,7 +82,7 @@ impl Tip {
         self.chain.linear(plus(point, fixture), place.geometry(&self.tool), |axis| at(machine, axis))
     }
 
-    /// How far the linear axes follow the rotary ones at the rate of a place of the way between two points of the work
+    /// How far the linear axes follow the rotary ones at the rate of a place of the path between two points of the work
     /// frame.
     pub(crate) fn following(&self, place: &Place, [from, to]: [&Position; 2], share: f64) -> f64 {
         let mut at = *from;

@@ -75,7 +75,7 @@ fn a_square_with_a_round_island() {
         rows.iter().map(|row| (row[0].from, row[0].to)).collect::<Vec<_>>(),
         [([3.0, 20.0], [12.0, 20.0]), ([28.0, 20.0], [37.0, 20.0])]
     );
-    // Both ways begin where the first cut touches them; islands turn clockwise, with the radius and the distance.
+    // Both paths begin where the first cut touches them; islands turn clockwise, with the radius and the distance.
     let ways = clearing.ways(&rows);
     assert_eq!((ways[0][0].from, ways[1][0].from), ([3.0, 20.0], [12.0, 20.0]));
     assert!(ways[1].iter().all(|piece| piece.arc.is_some_and(|arc| arc.radius == 8.0 && arc.sweep < 0.0)));

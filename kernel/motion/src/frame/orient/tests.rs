@@ -88,7 +88,7 @@ fn random_chains_come_to_directions_that_they_reach() {
             }
             reached += 1;
         }
-        // Both pairs come there, and no pair that is left out has a shorter way.
+        // Both pairs come there, and no pair that is left out has a shorter path.
         let rule = RULES[0];
         let stand = |axis: usize| Stand { at: stands[axis], travel: None };
         let pairs = chain.pairs(wanted.into(), &rule, stand);

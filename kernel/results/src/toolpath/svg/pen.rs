@@ -220,7 +220,8 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (way[0] * way[0] + way[1] * way[1]).sqrt()
 }
 
-/// How far a point is from the way from `a` to `b`; infinite when the way turns back at it, also to where it came from.
+/// How far a point is from the path from `a` to `b`; infinite when the path turns back at it, also to where it came
+/// from.
 fn off_line(a: [f64; 2], point: [f64; 2], b: [f64; 2]) -> f64 {
     let (way, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let length = (way[0] * way[0] + way[1] * way[1]).sqrt();

@@ -17,7 +17,7 @@ const LONG: usize = 5_000;
 const WINDOWS: usize = 1_500;
 /// Pieces from which a change of tool or file no longer begins a new one.
 const MOST: usize = 5_000;
-/// Least way of a piece, px.
+/// Minimum length of a piece, px.
 const LEAST: f64 = 4.0;
 
 /// A part of the path.
