@@ -24,7 +24,7 @@ impl Pace {
         Self(Mutex::new(State { since: None, lines: 0, left_out: 0 }))
     }
 
-    /// Whether a line may be written now; returns how many were left out before it.
+    /// The number of lines left out before this one if a line may be written now; otherwise `None`.
     pub(crate) fn pass(&self) -> Option<u64> {
         self.pass_at(Instant::now())
     }

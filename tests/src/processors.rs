@@ -137,7 +137,7 @@ pub fn everywhere(settings: &[Setting], except: &str, environment: &[(&str, &str
     }
 }
 
-/// Whether a process ended successfully, and its output.
+/// Success of a process at its end, and its output.
 fn ended(mut command: Command) -> (bool, String) {
     let mut child = command.spawn().expect("the process starts");
     // Read at once, or a process that prints much would wait indefinitely.

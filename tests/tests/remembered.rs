@@ -97,7 +97,7 @@ impl Maker<'_> {
         self.made.text.push('\n');
     }
 
-    /// A block, with a sequence number sometimes, and the line that prints the remembered values.
+    /// Adds a block, sometimes with a sequence number, and the line that prints the remembered values.
     fn block(&mut self, text: &str) {
         if self.rng.u8(0..3) == 0 {
             self.n += 1;
@@ -108,7 +108,7 @@ impl Maker<'_> {
         }
     }
 
-    /// The line after a block that prints the words.
+    /// Adds the line after a block that prints the words.
     fn print(&mut self) {
         self.line("DPRNT[D#4107[40]H#4111[40]M#4113[40]N#4114[40]O#4115[40]]");
         let line = self.made.text.lines().count() as u32;

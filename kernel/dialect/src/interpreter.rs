@@ -56,7 +56,7 @@ pub trait Interpreter: Send {
     /// A block has moved, and modal calls are on ([`super::host::Flow::calls_modally`]).
     fn on_move(&mut self, _host: &mut dyn Host) {}
 
-    /// The program ends with its end code while modal calls are active.
+    /// Called when the program ends with its end code while modal calls are active.
     fn on_end(&mut self, _host: &mut dyn Host) {}
 
     /// A word of the machine jumps within the program while the program is in loops.

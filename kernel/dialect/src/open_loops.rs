@@ -1,4 +1,4 @@
-//! Loops whose ends carry a number: which start belongs to which end.
+//! Loops whose ends carry a number: the start that belongs to each end.
 //!
 //! *Invariant:* the innermost open loop with the number of an end belongs to it, those inside are over; each start is
 //! looked at once.

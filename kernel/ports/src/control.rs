@@ -261,7 +261,7 @@ impl Progress {
         self.state.store(state as u8, Ordering::Relaxed);
     }
 
-    /// The channel is at a wait.
+    /// Records that the channel is at a wait.
     pub fn stand(&self, wait: Arc<Wait>) {
         *self.standing.lock().unwrap_or_else(PoisonError::into_inner) = Some(wait);
         self.set_state(State::Waiting);

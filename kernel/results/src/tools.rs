@@ -90,7 +90,7 @@ impl Tools {
         }
     }
 
-    /// The time since the last load is that of the active tool.
+    /// Adds the time since the last load to the active tool.
     fn count(&mut self, now: ToolTimes) {
         if let Some(row) = self.current.and_then(|row| self.rows.get_mut(row)) {
             row.times.add_since(self.since, now);
@@ -117,7 +117,7 @@ impl Tools {
         }
     }
 
-    /// An offset is used with the active tool.
+    /// Records an offset that is used with the active tool.
     fn offset(&mut self, offset: Option<ToolOffset>) {
         let row = self.current.and_then(|row| self.rows.get_mut(row));
         let (Some(ToolOffset { kind, number }), Some(row)) = (offset, row) else { return };

@@ -112,8 +112,8 @@ impl Written {
         self.left.push((tag, path.to_owned(), text.map(str::to_owned)));
     }
 
-    /// All kernels have ended: their open files are written in the order of their ends, up to the stop of the job;
-    /// temporary files are removed.
+    /// Called when all kernels have ended: writes their open files in the order of their ends, up to the stop of the
+    /// job; temporary files are removed.
     pub fn close(&mut self, stop: Tag) {
         let mut left = std::mem::take(&mut self.left);
         left.sort_by_key(|(tag, ..)| *tag);

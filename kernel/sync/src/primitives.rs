@@ -98,7 +98,7 @@ impl Memory {
         }
     }
 
-    /// A channel continues and uses up its resources.
+    /// Lets a channel continue, which uses up its resources.
     pub(crate) fn depart(&mut self, channel: u16, wait: &Wait, rules: &Rules) {
         match wait.primitive {
             Primitive::Flag => self.flags.clear(channel, wait.key),

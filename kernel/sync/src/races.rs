@@ -176,7 +176,7 @@ impl Races {
         }
     }
 
-    /// The waits of these channels are over, by an act of another channel.
+    /// Records that the waits of these channels are over, by an act of another channel.
     pub(crate) fn release(&mut self, channels: Set, by: u16) {
         if self.is_idle() {
             return;
@@ -216,7 +216,7 @@ impl Races {
         }
     }
 
-    /// The wait of a channel is over: the acts of its partners there happened before.
+    /// Records that the wait of a channel is over: the acts of its partners there happened before.
     fn take_over(&mut self, channel: u16, wait: &Wait) {
         let Some(own) = self.clocks.get_mut(self.channels.index(channel)) else { return };
         let (primitive, key) = (wait.primitive.number(), place(wait.primitive, wait.key));

@@ -438,7 +438,7 @@ impl Places {
         self.waiting.iter().flatten()
     }
 
-    /// A channel is at a wait.
+    /// Records that a channel is at a wait.
     pub(crate) fn stand(&mut self, waiting: Waiting) {
         if let Some(slot) = self.waiting.get_mut(self.channels.index(waiting.tag.channel)) {
             *slot = Some(waiting);
@@ -480,7 +480,7 @@ impl Places {
         }
     }
 
-    /// A channel has ended.
+    /// Records that a channel has ended.
     pub(crate) fn finish(&mut self, channel: u16, finish: Finish) {
         if let Some(slot) = self.finished.get_mut(self.channels.index(channel)) {
             *slot = Some(finish);

@@ -124,7 +124,7 @@ impl Waits {
         *self.lists.entry(wait.key).or_insert(wait.parts) != wait.parts
     }
 
-    /// A channel has ended.
+    /// Records that a channel has ended.
     pub fn finish(&mut self, channel: u16, finish: Finish) {
         self.places.finish(channel, finish);
         self.give_up(channel);
@@ -259,7 +259,7 @@ impl Waits {
         self.memory.letters(channel)
     }
 
-    /// A channel holds this from the start of the job on.
+    /// Records that a channel holds this from the start of the job on.
     pub fn hold(&mut self, channel: u16, key: Key) {
         // A free lease can be given to any channel.
         let _ = self.memory.act(channel, (Act::Take(key), None), &self.rules);

@@ -4,7 +4,7 @@ use prost_types::{
     DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, FileDescriptorSet, MethodDescriptorProto,
 };
 
-/// Comparison of two items of one number or name.
+/// Compares two items of one number or name.
 fn same<T: PartialEq + std::fmt::Debug>(out: &mut Vec<String>, of: &str, what: &str, before: T, now: T) {
     if before != now {
         out.push(format!("{of}: its {what} was {before:?}, it is {now:?} now"));

@@ -45,7 +45,7 @@ impl Stepping {
         Self { inner: Mutex::new(inner), came: Condvar::new(), pending: AtomicBool::new(false) }
     }
 
-    /// How long a run waits without a command.
+    /// Sets how long a run waits without a command.
     pub(crate) fn set_patience(&self, patience: Duration) {
         lock(&self.inner).patience = patience;
     }

@@ -97,8 +97,8 @@ impl BadDisk {
         self.state.lock().unwrap().failed
     }
 
-    /// The state of the folder `from` after the loss of power, as the folder `to`. With `torn`, pages written after the
-    /// last sync survive by chance.
+    /// Writes the state of the folder `from` after the loss of power to the folder `to`. With `torn`, pages written
+    /// after the last sync survive by chance.
     pub fn survived(&self, from: &Path, to: &Path, torn: bool) {
         let mut state = self.state.lock().unwrap();
         let root = identity(from).unwrap();

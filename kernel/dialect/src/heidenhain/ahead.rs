@@ -85,7 +85,7 @@ impl Heidenhain {
         Ok(steps)
     }
 
-    /// FSELECT after as many elements that follow.
+    /// Records FSELECT after this number of following elements.
     fn note_select(&mut self, host: &mut dyn Host, behind: usize, from: u32, place: Place) {
         let mut line = from;
         while line <= place.range.last && line < from.saturating_add(NEAR) {

@@ -22,7 +22,7 @@ const DECIDED: usize = 20;
 pub(super) type Line = (Point, Point);
 
 impl Free {
-    /// FSELECT after as many elements.
+    /// The FSELECT after this number of elements.
     pub(super) fn selected(&self, behind: usize) -> Option<(usize, u32)> {
         self.selects.iter().find(|(at, ..)| *at == behind).map(|(_, number, line)| (*number, *line))
     }
@@ -87,7 +87,7 @@ impl Walk<'_> {
         of_step(step, "DP").map_or_else(Vec::new, |apart| beside(at, apart.abs()))
     }
 
-    /// Lines that a step after it may be: through its end, beside a line or a point, each along its angle.
+    /// Lines that a following step may be: through its end, beside a line or a point, each along its angle.
     pub(super) fn lines_behind(&self, step: &Step) -> Vec<Line> {
         if !matches!(step.shape, Shape::FreeLine { .. }) {
             return Vec::new();

@@ -217,13 +217,13 @@ impl Walk<'_> {
         Some([of_step(step, "CCX")?, of_step(step, "CCY")?])
     }
 
-    /// The end of a step after it, where its coordinates say it.
+    /// The end of a following step, if its coordinates give it.
     pub(super) fn end_behind(&self, step: &Step) -> Option<Point> {
         let letters = self.path.plane.map(|axis| super::path::AXES.get(axis).copied().unwrap_or_default());
         Some([of_step(step, letters[0])?, of_step(step, letters[1])?])
     }
 
-    /// The end of a line that the elements after it determine.
+    /// The end of a line, determined by the elements after it.
     fn line_end(&mut self, way: Option<Point>) -> Option<Point> {
         let start = self.flat(&self.start);
         let next = self.ahead.first()?;
@@ -278,7 +278,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The end of an arc about a centre that the element after it determines.
+    /// The end of an arc about a centre, determined by the element after it.
     fn arc_end(&mut self, center: Point, radius: f64, clockwise: bool) -> Option<Point> {
         let for_arc = self.leaves_for_arc((center, radius, clockwise));
         if !for_arc.is_empty() {

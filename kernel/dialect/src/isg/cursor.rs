@@ -88,7 +88,7 @@ impl<'a> Cursor<'a> {
         std::str::from_utf8(self.text.get(start..self.at).unwrap_or_default()).unwrap_or("")
     }
 
-    /// Takes a text that may be written without a blank after it.
+    /// Takes a text, if it is next; it may be written without a blank after it.
     pub(super) fn key(&mut self, word: &str) -> bool {
         self.peek();
         let is = self.text.get(self.at..).is_some_and(|rest| rest.starts_with(word.as_bytes()));
@@ -98,7 +98,7 @@ impl<'a> Cursor<'a> {
         is
     }
 
-    /// Takes a word of letters, if no further letter is after it.
+    /// Takes a word of letters, if it is next and no further letter follows.
     pub(super) fn word(&mut self, word: &str) -> bool {
         self.peek();
         let mut ahead = self.clone();

@@ -66,7 +66,7 @@ impl<'a> Cursor<'a> {
         std::str::from_utf8(self.text.get(start..self.at).unwrap_or_default()).unwrap_or("")
     }
 
-    /// Takes a word of letters, if it is the next thing and no further letter is after it.
+    /// Takes a word of letters, if it is next and no further letter follows.
     pub(super) fn word(&mut self, word: &str) -> bool {
         self.peek();
         let mut ahead = self.clone();
@@ -77,7 +77,7 @@ impl<'a> Cursor<'a> {
         is
     }
 
-    /// Takes a keyword that may be written without a blank after it.
+    /// Takes a keyword, if it is next; it may be written without a blank after it.
     pub(super) fn key_word(&mut self, word: &str) -> bool {
         self.peek();
         let is = self.text.get(self.at..).is_some_and(|rest| rest.starts_with(word.as_bytes()));

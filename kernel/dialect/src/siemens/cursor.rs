@@ -117,7 +117,7 @@ impl<'a> Cursor<'a> {
         Some(name)
     }
 
-    /// Takes a keyword.
+    /// Takes a keyword, if it is next.
     pub(super) fn word(&mut self, word: &str) -> bool {
         let is = self.peeked_name().is_some_and(|name| name.eq_ignore_ascii_case(word));
         if is {

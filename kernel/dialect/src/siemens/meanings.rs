@@ -143,7 +143,7 @@ impl Siemens {
     }
 }
 
-/// The axes that are mirrored are named by words whose values mean nothing: mirrors are at the zero of the frame.
+/// Sets the values of axis words to 0: they only name mirrored axes, and mirrors are at the zero of the frame.
 fn at_zero(host: &dyn Host, left: &mut Left) {
     let axes = host.axes();
     let word = |word: &str| match axis_word(&axes, word) {

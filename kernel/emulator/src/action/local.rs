@@ -96,7 +96,7 @@ pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
     act.frames_changed();
 }
 
-/// Another work offset becomes active: if each has its own shift, stores the shift of the old one.
+/// Exchanges the local shifts when another work offset becomes active, if each has its own.
 pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
     let [old, new] = [old, new].map(|number| number.max(1));
     if !act.env.machine.habits.shift_of_each || old == new || act.state.place.frames.is_none() {

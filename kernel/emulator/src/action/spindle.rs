@@ -111,7 +111,7 @@ pub(super) fn radial(act: &mut Act<'_, '_>) -> Acted {
     act.command_spindle(|c| c.radius = radius.max(0.0))
 }
 
-/// Stops, orients or reverses the spindle inside a cycle; it stays as it is when it stands.
+/// Stops, orients or reverses the spindle inside a cycle; it stays as it is when it is stopped.
 pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted {
     if act.state.spindle.id.is_none() {
         return Ok(());

@@ -40,7 +40,7 @@ impl Kernel<'_> {
         true
     }
 
-    /// The end of a block: functions that overlap it are over.
+    /// Ends the functions that overlap a block, at its end.
     #[cold]
     #[inline(never)]
     pub(crate) fn end_functions(&mut self) {

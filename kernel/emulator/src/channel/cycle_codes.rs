@@ -11,7 +11,7 @@ use counterpoint_machine::index::CodeRowId;
 const IMPLIED_ORDER: u16 = 500;
 
 impl Kernel<'_> {
-    /// Position words fire the active cycle, otherwise the active motion code.
+    /// Lets position words fire the active cycle, otherwise the active motion code.
     #[inline]
     pub(crate) fn imply_motion(&mut self) {
         let machine = self.channel.env.machine;

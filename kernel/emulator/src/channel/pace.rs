@@ -120,7 +120,7 @@ impl Kernel<'_> {
         self.ports.emitter.holds_back(count);
     }
 
-    /// Before a block: times the moves that can be timed; if these are all moves, the clock is set.
+    /// Times the moves that can be timed, before a block; if these are all moves, sets the clock.
     #[inline(always)]
     pub(crate) fn keep_pace(&mut self) {
         if self.channel.pace.as_ref().is_some_and(|pace| pace.is_active()) {

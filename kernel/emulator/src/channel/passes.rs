@@ -78,7 +78,7 @@ impl Passes {
         self.loops.iter_mut().for_each(|pass| pass.ticks += ns);
     }
 
-    /// Shared data are read; accesses that lead to no variable do not count.
+    /// Records a read of shared data; accesses that lead to no variable do not count.
     pub(crate) fn polls(&mut self, door: Door<'_>) {
         let known = self.variables.iter().position(|known| door.leads_to(known));
         let Some(place) = known.or_else(|| self.note(door.variable()?)) else { return };

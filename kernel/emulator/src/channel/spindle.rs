@@ -140,7 +140,7 @@ impl Kernel<'_> {
         Ok(self.channel.state.spindle.command)
     }
 
-    /// How the spindle turns now, `None` when it stands.
+    /// How the spindle turns now, `None` when it is stopped.
     pub(crate) fn spindle_speed(&mut self) -> Result<Option<Turning>, Halt> {
         let command = self.current()?;
         // A synchronised tap turns the spindle itself.

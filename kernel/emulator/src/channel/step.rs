@@ -59,7 +59,7 @@ impl Kernel<'_> {
         self.comes_to(Event::Wait(&known, wait.key.number));
     }
 
-    /// The kernel has written data that all channels share.
+    /// Called when the kernel has written data that all channels share.
     #[cold]
     #[inline(never)]
     pub(super) fn has_written(&mut self, door: Door<'_>) {

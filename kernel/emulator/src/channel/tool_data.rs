@@ -21,7 +21,7 @@ const MOST: usize = 1000;
 const LONGEST_NAME: usize = 80;
 
 impl Kernel<'_> {
-    /// The tool in use has been loaded, or another offset is active.
+    /// Called when the tool in use has been loaded, or another offset is active.
     pub(crate) fn report_tool(&mut self) {
         let tables = &self.channel.env.machine.tool;
         let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.channel.state.place.offsets.is_none();

@@ -19,7 +19,7 @@ use counterpoint_machine::rows::Point;
 use counterpoint_program::scan::Scanner;
 
 impl Kernel<'_> {
-    /// A text becomes the block: a line of the file, or a block that EXEC issued.
+    /// Makes a text the block: a line of the file, or a block that EXEC issued.
     pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
         let runtime = &mut *self.macros;
         runtime.block.begin(text);

@@ -37,7 +37,7 @@ pub(crate) struct Withheld {
 }
 
 impl BlockContext {
-    /// Another text becomes the block: a line of the file, or a block that EXEC issued.
+    /// Makes another text the block: a line of the file, or a block that EXEC issued.
     pub(crate) fn begin(&mut self, text: Option<Arc<String>>) {
         (self.text, self.unrecognised, self.made) = (text, None, false);
     }

@@ -237,7 +237,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A word that is not a code: data if a row knows its register, otherwise unknown text.
+    /// Treats a word that is not a code: data if a row knows its register, otherwise unknown text.
     fn data_word(&mut self, position: usize) {
         let Some(word) = self.channel.block.words.get(position).copied() else { return };
         let known = !self.channel.env.machine.tables.data_of(word.register).is_empty();
@@ -374,7 +374,7 @@ impl Kernel<'_> {
         result
     }
 
-    /// A code that the machine recognises and ignores.
+    /// Treats a code that the machine recognises and ignores.
     #[cold]
     fn swallow(&mut self, row: &CodeRow, pending: PendingCode) {
         self.trace_ignored(row.id);

@@ -153,7 +153,7 @@ impl Kernel<'_> {
         String::from_utf8_lossy(line.get(start as usize..end as usize).unwrap_or_default()).trim().to_owned()
     }
 
-    /// A program name at the start of its block defines the program; elsewhere it is unknown text.
+    /// Treats a program name: at the start of its block it defines the program; elsewhere it is unknown text.
     pub(crate) fn left_name(&mut self) {
         let Some((start, _)) = self.channel.block.name() else { return };
         let line = self.text_bytes();

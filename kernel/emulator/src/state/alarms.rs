@@ -63,7 +63,7 @@ impl Channel<'_> {
         self.reports.alarms.stopping = true;
     }
 
-    /// Program Shutdown runs after an alarm.
+    /// Clears the stop, since Program Shutdown runs after an alarm.
     pub(crate) fn clear_stop(&mut self) {
         self.reports.alarms.stopping = false;
     }

@@ -172,7 +172,7 @@ impl Channel<'_> {
         self.state.place.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())
     }
 
-    /// Compensation has ended.
+    /// Records the end of compensation.
     pub(crate) fn forget_cutter(&mut self) {
         if let Some(frames) = self.state.place.frames.as_deref_mut() {
             frames.cutter = None;

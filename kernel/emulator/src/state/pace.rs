@@ -116,7 +116,7 @@ impl Pace {
         self.events.front().map(|event| (event.t_ns + self.late, event.micro))
     }
 
-    /// The path stops after its known moves.
+    /// Stops the path after its known moves.
     pub(crate) fn stop(&mut self) {
         if !self.look.is_empty() {
             self.stops = true;
@@ -261,7 +261,7 @@ impl Channel<'_> {
         }
     }
 
-    /// The next event lies after a stop of the path.
+    /// Stops the path before the next event.
     #[inline(always)]
     pub(crate) fn stop_path(&mut self) {
         if let Some(pace) = &mut self.pace {
@@ -312,7 +312,7 @@ impl Limits {
         Self { speed: f64::INFINITY, acceleration: f64::INFINITY, jerk: f64::INFINITY }
     }
 
-    /// An axis takes this part of the path.
+    /// Adds an axis with its part of the path.
     fn axis(&mut self, axis: &Axis, part: f64) {
         let part = part.abs();
         if part > NOISE {

@@ -133,7 +133,8 @@ pub(super) fn may_hit(spot: &Spot, info: &Info, machine: &Machine) -> Result<(),
     }
 }
 
-/// Whether a write of a variable can stop the run: a shared numbered variable, or a name in a text of the job.
+/// Refuses a variable whose write cannot stop the run. Accepted are a shared numbered variable and a name in a text of
+/// the job.
 fn may_write(name: &str, info: &Info, machine: &Machine) -> Result<(), String> {
     let number = name.strip_prefix('#').and_then(|number| number.trim().parse::<u32>().ok());
     let Some(number) = number else { return may_name(name, info, machine) };

@@ -200,7 +200,7 @@ impl Uses<'_> {
         }
     }
 
-    /// Data in EXEC need their value after them.
+    /// Checks items of EXEC: data need their value after them.
     fn items(&self, items: &[Expr]) {
         if self.read.is_some() {
             return;

@@ -44,7 +44,7 @@ impl Face {
         Some(Self { x, y, c, z: find("Z"), path, of_tool, live: false, end: None })
     }
 
-    /// Another tool is active from here on.
+    /// Starts another tool.
     pub(super) fn tool(&mut self) {
         if !self.live {
             self.path.rewind(self.of_tool);

@@ -118,7 +118,7 @@ impl Signals {
         Ok(())
     }
 
-    /// A channel is at a wait.
+    /// Records that a channel is at a wait.
     pub(super) fn arrive(&mut self, channel: u16, wait: &Wait) {
         self.waiting = self.waiting.with(channel);
         if takes_any(wait) {

@@ -248,7 +248,7 @@ impl Bench {
         self.ledger = Some(ledger);
     }
 
-    /// Whether the ledger has the same content as the twin.
+    /// Checks that the ledger has the same content as the twin.
     fn holds(&self, twin: &Twin) -> Result<(), String> {
         let ledger = self.ledger();
         let same = |what: &str, same: bool| if same { Ok(()) } else { Err(what.to_owned()) };

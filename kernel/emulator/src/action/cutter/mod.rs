@@ -219,7 +219,7 @@ pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUni
     act.straight(&Step { shape, coded: 0, to, feed: feed.0, unit }, to)
 }
 
-/// A thread goes without compensation: the next moves approach the contour again.
+/// Called after a thread, which goes without compensation: the next moves approach the contour again.
 pub(super) fn after_thread(act: &mut Act<'_, '_>) {
     let position = act.state.place.position;
     if let Some(cutter) = act.cutter() {

@@ -439,7 +439,7 @@ impl Act<'_, '_> {
         self.check_stop()
     }
 
-    /// The tool has left the contour: it is where the program is.
+    /// Records that the tool has left the contour: its position is the programmed one.
     fn left_contour(&mut self) {
         let position = self.state.place.position;
         let Some(cutter) = self.cutter() else { return };

@@ -380,7 +380,7 @@ impl Channel<'_> {
         self.state.place.frames.get_or_insert_default()
     }
 
-    /// Something about the frames has changed: the machine does not move, only the programmed point changes.
+    /// Called after a change of the frames: the machine does not move, only the programmed point changes.
     pub(crate) fn frames_changed(&mut self) {
         if let Some(frames) = self.state.place.frames.as_deref_mut() {
             frames.reached = None;

@@ -24,7 +24,7 @@ const CARRIED: f64 = 8.0;
 /// Tools named in a hint.
 const TOOLS: usize = 4;
 
-/// The row with this index; `whole`: its time is beside its name.
+/// Draws the row with this index; `whole`: its time is beside its name.
 pub(super) fn draw(
     out: &mut String,
     timeline: &Timeline,
