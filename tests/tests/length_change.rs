@@ -1,9 +1,9 @@
 //! Length codes that move the axis of the tool, against a model of its machine position.
 //!
 //! Random blocks of a Fanuc mill with G43, G44, G49 and H, with and without a word for Z, in G90 and G91. The model
-//! keeps the programmed position and the length: a code changes the length only, so the machine is where the sum of
-//! both is (B-63844EN/02 14.1.1, parameter 5006#6 at 0). The same program in G90 ends its moves of Z at the same places
-//! if the length shifts the frame.
+//! keeps the programmed position and the length. A code changes the length only, so the machine position is the sum of
+//! both (B-63844EN/02 14.1.1, parameter 5006#6 at 0). The same program in G90 ends its moves of Z at the same places if
+//! the length shifts the frame.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing, missing_docs)]
 

@@ -11,7 +11,7 @@ use crate::error::Error;
 /// Columns of a CSV file.
 const COLUMNS: &str = "number, name, offset, diameter, radius, tip, length";
 
-/// Tools that have a name and no number get numbers from this one on.
+/// First number for tools that have a name and no number.
 const FIRST_WITHOUT_NUMBER: u32 = 20_001;
 
 /// The meaning of a column.
@@ -75,7 +75,7 @@ struct Row {
 }
 
 impl Row {
-    /// A value along each axis that programs call by a name; a name without an axis stays, for the message of the
+    /// Adds a value along each axis that programs call by a name; a name without an axis stays, for the message of the
     /// loader.
     fn along(into: &mut Vec<String>, axis: &str, value: f64, machine: &Facts) {
         let known = machine.axes(axis);
@@ -139,7 +139,7 @@ impl Row {
         Ok(())
     }
 
-    /// Number of the tool, which names may stand for, and of its offset.
+    /// Number of the tool, which a name may replace, and of its offset.
     fn numbers(&self, table: &mut Table<'_>) -> Result<(u32, u32), String> {
         let offset = self.offset.filter(|_| table.columns.contains(&Column::Offset));
         let number = match (self.number.or(offset), &self.name) {
@@ -161,7 +161,7 @@ struct Table<'m> {
     length_is_along_z: bool,
     /// Tools that have data.
     tools: Vec<u32>,
-    /// Names of tools without a number, in their order.
+    /// Names of tools without a number, in order.
     names: Vec<String>,
 }
 

@@ -1,8 +1,8 @@
 //! `--tools FILE`: tools, tool offsets and work offsets of one run.
 //!
-//! The rows become a machine that extends the one of the run. A TOML file has them as a machine definition has; a CSV
-//! file, as tool lists of CAM systems and spreadsheets are, has a line for each tool. Invariant: every error in a row
-//! is reported with the line of the user's file.
+//! The rows become a machine that extends the one of the run. A TOML file has them in the form of a machine definition.
+//! A CSV file has a line for each tool, as tool lists of CAM systems and spreadsheets do. Invariant: every error in a
+//! row is reported with the line of the user's file.
 
 mod csv_file;
 
@@ -28,7 +28,7 @@ pub(crate) struct Facts {
 }
 
 impl Facts {
-    /// Facts from definitions of machines, of which an earlier one counts before a later one.
+    /// Facts from definitions of machines; earlier definitions take precedence.
     pub(crate) fn of<'t>(texts: impl Iterator<Item = &'t str>) -> Self {
         let tables: Vec<toml::Table> = texts.filter_map(|text| toml::from_str(text).ok()).collect();
         let name = |axis: &toml::Value| axis.get("name").and_then(toml::Value::as_str).map(str::to_owned);
@@ -60,11 +60,11 @@ impl Facts {
 #[derive(Debug)]
 pub(crate) struct Tools {
     file: String,
-    /// Rows as inline arrays, which stand before the sections of the definition; of a CSV file.
+    /// Rows as inline arrays, which come before the sections of the definition; of a CSV file.
     arrays: String,
-    /// Sections, which stand behind; of a TOML file.
+    /// Sections, which come after; of a TOML file.
     sections: String,
-    /// By line of the definition: the line of the file.
+    /// Line of the file for each line of the definition.
     lines: Vec<usize>,
 }
 

@@ -144,7 +144,7 @@ pub struct CodeRow {
     /// All axis words of a block with this code are the code's: those that it does not take are reported and move
     /// nothing.
     pub owns_axes: bool,
-    /// The block needs a look as a whole before its codes act: the row is swallowed, or changes the length of the tool.
+    /// The block is examined as a whole before its codes act: the row is swallowed, or changes the length of the tool.
     pub special: bool,
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,

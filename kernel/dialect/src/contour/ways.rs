@@ -34,7 +34,7 @@ pub(crate) struct Side {
 /// The circle of a path about its centre.
 struct Round {
     center: Point,
-    /// Radius on the contour; the tool centre goes on a circle of the size of the path.
+    /// Radius on the contour; the tool centre moves on a circle with the size of the path.
     radius: f64,
     /// The centre is on the left.
     on_left: bool,
@@ -45,8 +45,8 @@ impl Side {
         if self.on_left { left(heading) } else { times(left(heading), -1.0) }
     }
 
-    /// The circle that touches the path of the tool centre beside a point. None if the compensated tool is larger than
-    /// a circle on the other side.
+    /// The circle that is tangent to the path of the tool centre beside a point. None if the compensated tool is larger
+    /// than a circle on the other side.
     fn round(self, at: Point, heading: Point) -> Option<Round> {
         let signed = self.size + self.beside;
         let center = along(at, self.of(heading), signed);
@@ -127,7 +127,7 @@ pub(crate) enum Departure {
     ArcAndLine { leave: Point, arc: Arc, to: Point },
 }
 
-/// A path from the end of a contour and its direction there; only one on a line and a circle goes to `goal`. None if
+/// A path from the end of a contour and its direction there; only a path on a line and a circle goes to `goal`. None if
 /// that is inside the circle, or if the tool is larger than a circle on the other side.
 pub(crate) fn depart(way: PathShape, (from, heading): (Point, Point), goal: Point, side: Side) -> Option<Departure> {
     let across = side.of(heading);

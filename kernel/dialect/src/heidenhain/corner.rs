@@ -140,7 +140,7 @@ impl Walk<'_> {
     }
 
     /// Length or radius of a path, the side on which the tool goes, and its distance from the contour. Without
-    /// compensation the tool centre goes on the contour, on the left for a positive value.
+    /// compensation the tool centre moves on the contour; a positive value counts as the left side.
     fn side(&self, way: PathShape) -> Side {
         let angle = self.word("CCA").unwrap_or(90.0).abs();
         let is_straight = matches!(way, PathShape::Straight | PathShape::Normal);
@@ -195,8 +195,8 @@ impl Walk<'_> {
         lines.into_iter().chain([last]).collect()
     }
 
-    /// The words of both parts of an approach. The first part has the feed of the block before, also at rapid, except
-    /// beside LCT; compensation that begins with the second part is a word of that part.
+    /// The words of both parts of an approach. The first part has the feed of the previous block, also at rapid, except
+    /// beside LCT. Compensation that starts with the second part is a word of that part.
     fn words_of_approach(&self, way: PathShape, begins_plain: bool, words: Vec<Seen>) -> (Vec<Seen>, Vec<Seen>) {
         let (mut first, mut second) = (words, Vec::new());
         if way != PathShape::LineAndCircle {

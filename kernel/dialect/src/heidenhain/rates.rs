@@ -1,7 +1,7 @@
-//! Feeds of path blocks that are made from one block of the program.
+//! Feeds of the path blocks into which one block of the program is converted.
 //!
 //! Facts: programming manuals of the control (F AUTO, feeds of corners, FMAX for one block). Invariant: a feed of a
-//! corner ends with it; the feed before it comes back in the next block that moves.
+//! corner ends with it; the feed before it returns in the next block that moves.
 
 use super::path::{Shape, Walk, axis};
 
@@ -19,7 +19,7 @@ pub(super) struct Rates {
 }
 
 impl Walk<'_> {
-    /// Feeds of the lines: that of TOOL CALL, and the one before a corner with its own.
+    /// Feeds of the lines: that of TOOL CALL, and the feed before a corner with its own.
     pub(super) fn feeds(&mut self, lines: &mut [String]) {
         let is_corner = matches!(self.step.shape, Shape::Chamfer | Shape::Round);
         let own = self.step.seen.iter().find(|word| word.is("F") && word.value.is_some());

@@ -107,7 +107,7 @@ impl Walk<'_> {
         lines
     }
 
-    /// Makes blocks in another plane about its pole.
+    /// Makes blocks in another plane about the pole of that plane.
     fn upright(&mut self, (plane, pole): (Plane, Point), make: impl FnOnce(&mut Self) -> Vec<String>) -> Vec<String> {
         let (working, poles) = (self.path.plane, self.path.poles);
         self.path.plane = plane;

@@ -58,11 +58,10 @@ impl Evaluate<Data, Own> for Values<'_> {
     }
 }
 
-/// The number of a tool by its name, which the machine knows: names that the program has written count first.
+/// The number of a tool by its name, which the machine knows: names that the program has written take precedence.
 const TOOL_NAME: &str = "$P_TOOLNAME";
 
-/// `$P_TOOLNAME["NAME"]`, as the machine is asked for it: with the number of the tool in the tables, if they have the
-/// name.
+/// `$P_TOOLNAME["NAME"]` as a request to the machine: with the number of the tool in the tables, if they have the name.
 fn with_number(host: &dyn Host, asked: String) -> String {
     let name = asked.split('"').nth(1).unwrap_or_default();
     match (host.tool_named(name), asked.strip_suffix(']')) {

@@ -60,7 +60,7 @@ pub(super) fn go(act: &mut Act<'_, '_>, coded: u8, target: Position, rate: Rate)
     }
 }
 
-/// Takes the tool away along its axis; below zero up to the reference point of the axis that moves most, if that lies
+/// Retracts the tool along its axis; below zero up to the reference point of the axis that moves most, if that lies
 /// ahead, or to the end of travel.
 pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
     let mut machine = act.machine_point(&act.state.place.position);
@@ -76,7 +76,7 @@ pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
             let (low, high) = act.state.place.layout.axes[*axis].limits?;
             Some(of(one, if *part > 0.0 { high } else { low }))
         });
-        // The limits of a large machine are beyond the reference point of a smaller one, which is where the axis ends.
+        // The limits of a large machine are beyond the reference point of a smaller one, at which the axis ends.
         let steepest = axes.iter().max_by(|(_, one), (_, other)| one.abs().total_cmp(&other.abs()));
         let home = steepest.map(|one| of(one, act.state.place.layout.axes[one.0].home)).filter(|way| *way > 0.0);
         ends.chain(home).min_by(f64::total_cmp).unwrap_or(0.0).max(0.0)

@@ -71,7 +71,7 @@ pub(crate) struct Registers {
     pub(crate) function: Option<RegisterId>,
     /// Those of offset numbers that count without their codes, bit by register.
     pub(crate) offsets: u128,
-    /// Those of them that number lengths, bit by register.
+    /// Those of them with the number of a length, bit by register.
     pub(crate) length: u128,
     /// Those whose words may act before the codes of their block, bit by register.
     pub(crate) before_codes: u128,
@@ -215,7 +215,7 @@ pub(crate) struct Rules {
     pub(crate) refusals: Option<Box<Refusals>>,
     /// Registers of offset numbers whose words a code takes, by code row; empty where numbers need their codes.
     pub(crate) number_takers: Table<CodeRowId, u128>,
-    /// An axis moves by a change of the length of the tool.
+    /// An axis moves by a change of the tool length.
     pub(crate) length_moves: bool,
 }
 
@@ -313,7 +313,7 @@ fn exclusive(machine: &Machine, g: Option<RegisterId>) -> Option<Table<CodeRowId
     Some(machine.codes.map(|_, row| group(row)))
 }
 
-/// Data that number offsets.
+/// Data with the numbers of offsets.
 const OFFSET_NUMBERS: [DataId; 2] = [data::COMP_LENGTH, data::COMP_DIAM];
 
 /// Registers of offset numbers, bit by register.

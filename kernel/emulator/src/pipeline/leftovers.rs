@@ -79,7 +79,7 @@ impl Kernel<'_> {
             return;
         }
         let rows = machine.tables.data_of(register);
-        // Several words that all go elsewhere (H functions of Siemens) do not replace each other.
+        // Several words with different targets (H functions of Siemens) do not replace each other.
         if !rows.is_empty() && rows.iter().all(|&row| self.plan.data.ignore[row]) {
             return;
         }

@@ -1,9 +1,8 @@
 //! Stage *codes*, on machines where an axis moves by a change of the length: adds the move of that axis.
 //!
 //! Facts: parameter 5006#6 of Fanuc controls at 0; B-63844EN/02 14.1.1 (a block without the axis moves it by the
-//! offset). Decisions: docs/emulation.md, "Offsets". *Invariant:* a programmed word for the axis does not change;
-//! without such a word a block that positions or cuts straight gets a distance of 0, to which the change of the length
-//! is added.
+//! offset). Decisions: docs/emulation.md, "Offsets". *Invariant:* a programmed word for the axis does not change.
+//! Without such a word, a block with a straight move gets a distance of 0, to which the change of the length is added.
 
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{codes, data};
@@ -39,7 +38,7 @@ impl Kernel<'_> {
         self.channel.block.index_word(place);
     }
 
-    /// The length that a code or a number of the block puts into force.
+    /// The length that a code or a number of the block makes active.
     fn length_after(&self) -> Option<f64> {
         let machine = self.channel.env.machine;
         let in_force = self.channel.state.place.in_force;
@@ -59,14 +58,14 @@ impl Kernel<'_> {
         Some(if number == BASE { 0.0 } else { sign * self.channel.worn_length(number).at(slot) })
     }
 
-    /// No code of the block takes the number of a length for itself.
+    /// Whether no code of the block takes the number of a length for itself.
     fn number_is_free(&self) -> bool {
         let takers = &self.plan.rules.number_takers;
         let taken = self.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
         self.channel.has_any(self.plan.registers.length & !taken)
     }
 
-    /// The block positions or cuts straight: no arc, no cycle, no code that has the axis words for itself.
+    /// Whether the block has a straight move: no arc, no cycle, no code that has the axis words for itself.
     fn moves_straight(&self) -> bool {
         let machine = self.channel.env.machine;
         let rows = || self.channel.block.pending.iter().map(|code| &machine.codes[code.row]);

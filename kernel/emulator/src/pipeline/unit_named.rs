@@ -56,8 +56,8 @@ fn unit_codes(machine: &Machine) -> Vec<f64> {
 }
 
 /// Whether most coordinates have four digits after the point, none is large, and no code names a unit. Programs with
-/// rotary axes or directions (A3=) never do: their posts write four digits in millimetres, too, for the sake of the
-/// angles.
+/// rotary axes or directions (A3=) never count, because their posts also write four digits in millimetres, for the sake
+/// of the angles.
 fn looks_like_inches(text: &[u8], names: &[f64]) -> bool {
     let (mut coordinates, mut fine) = (0_usize, 0_usize);
     for line in text.split(|byte| *byte == b'\n') {

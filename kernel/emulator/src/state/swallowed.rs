@@ -1,13 +1,13 @@
 //! M functions without an effect on this machine, for one message at the end of the program.
 //!
-//! *Invariant:* ascending numbers, each once; memory is taken only for a number that is new.
+//! *Invariant:* ascending numbers, each once; only a new number takes memory.
 
 use std::fmt;
 
-/// Functions that are listed by number; the rest are counted.
+/// Maximum number of listed functions; the rest are counted.
 const MOST: usize = 100;
 
-/// Numbers of the functions that a program has commanded in vain.
+/// Numbers of the functions that a program has commanded without effect.
 #[derive(Debug, Default)]
 pub(crate) struct Swallowed {
     numbers: Vec<u32>,
@@ -16,7 +16,7 @@ pub(crate) struct Swallowed {
 }
 
 impl Swallowed {
-    /// Notes a function. Numbers that no function can have are left out.
+    /// Records a function. Numbers that no function can have are left out.
     pub(crate) fn note(&mut self, number: f64) {
         if number.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&number) {
             return;
@@ -30,7 +30,7 @@ impl Swallowed {
         }
     }
 
-    /// No function was noted.
+    /// Whether no function was recorded.
     pub(crate) fn is_empty(&self) -> bool {
         self.numbers.is_empty()
     }

@@ -23,7 +23,7 @@ const MOST: usize = 99;
 pub(super) const COMMON: [&str; 8] =
     ["axes", "channels", "spindles", "waits", "sync", "format", "tool", "work_offsets"];
 
-/// Keys of `[tool]` that say how programs of a control name tools; each component has its own.
+/// Keys of `[tool]` for the form in which programs of a control name tools; each component has its own.
 const OWN_TOOL_KEYS: [&str; 3] = ["offset_digits", "edges", "by_name"];
 
 /// Sections whose keys a component has from its composite unless its own folder or `add` gives them. A component with

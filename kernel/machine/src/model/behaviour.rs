@@ -1,4 +1,4 @@
-//! How a control behaves: subprograms, meetings, times, cycles, compensation, variables.
+//! Behaviour of a control: subprograms, meetings, times, cycles, compensation, variables.
 
 use super::corners::CornerShape;
 use crate::index::RegisterId;

@@ -48,7 +48,7 @@ impl Tool {
         self.data.get(at)
     }
 
-    /// Number of the tool with a name, whatever its letter case: a row of names counts before the data of a tool.
+    /// Number of the tool with a name in any letter case; a row of names takes precedence over the data of a tool.
     #[must_use]
     pub fn number_of(&self, name: &str) -> Option<u32> {
         let of_names = self.names.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));

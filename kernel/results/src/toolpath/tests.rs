@@ -455,7 +455,7 @@ fn the_face_of_the_part_shows_the_work_of_live_tools() {
     assert!(svg.contains(">face: X (radius) / mm</text>"), "{svg}");
 }
 
-/// A full circle ends where it began; Y moves on the way. A turned arc of X and Z is no work of a live tool.
+/// A full circle ends where it began; Y moves on the way. A turned arc of X and Z is not work of a live tool.
 #[test]
 fn a_full_circle_of_a_y_axis_is_seen_on_the_face() {
     let circle = arc(MotionKind::ArcCw, &[30.0, -5.0, 0.0], &[30.0, -5.0, 0.0], [0, 2], [0.0, 0.0]);

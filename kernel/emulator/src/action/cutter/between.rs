@@ -82,7 +82,7 @@ fn too_many(act: &mut Act<'_, '_>, most: u32) {
     act.diagnose(&diag::EMPTY_BLOCKS, text);
 }
 
-/// A code in a block without a move, after that of a corner, and neither a dwell nor a call.
+/// A code in a block without a move, after the block of a corner, that is neither a dwell nor a call.
 fn parts_corner(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> bool {
     let (blocks, moves) = (act.at.blocks, act.has_motion_word());
     let due = act.cutter().filter(|cutter| cutter.is_due());

@@ -79,7 +79,7 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     super::motion::linear(act)
 }
 
-/// The pitch, and those that count along X, Y and Z alone.
+/// The pitch, and the pitches that count along X, Y and Z alone.
 fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
     let pitch = act.take(data::INTERP_THREAD_PITCH).map(|datum| datum.value);
     if let Some(lead) = pitch {
@@ -91,8 +91,8 @@ fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
     (act.remembered_lead(), sides)
 }
 
-/// The pitch along X, Y or Z: of several that of the longest travel, of equal ones the last; one whose axis stands
-/// counts along the longest travel of all axes.
+/// The pitch along X, Y or Z: of several pitches that of the longest travel, of equal ones the last. The pitch of an
+/// axis that does not move counts along the longest travel of all axes.
 fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
     let changes = act.changes(&act.state.place.position, target);
     let axes = &act.state.place.layout.cartesian;

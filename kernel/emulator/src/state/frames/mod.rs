@@ -2,7 +2,7 @@
 //!
 //! | point | is | here |
 //! |---|---|---|
-//! | programmed | what the words say, in the local frame | [`Channel::programmed`] |
+//! | programmed | the values of the words, in the local frame | [`Channel::programmed`] |
 //! | work | after scale, mirror, rotation, translation; events and `Place::position` | [`Channel::work_point`] |
 //! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Channel::machine_point`] |
 //!
