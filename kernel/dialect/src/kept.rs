@@ -132,7 +132,7 @@ pub(super) trait Table {
 #[derive(Debug)]
 pub(super) struct Tables<K, T> {
     tables: FxHashMap<K, Arc<T>>,
-    /// The one that was requested last.
+    /// The table that was requested last.
     at_hand: Option<(K, Arc<T>)>,
     bytes: usize,
 }

@@ -72,7 +72,7 @@ pub struct Named {
     pub name: String,
     /// Its arguments.
     pub arguments: Vec<Argument>,
-    /// The program of this name, or the one that an argument names.
+    /// The program of this name, or the program that an argument names.
     pub program: Option<(FileId, Range)>,
     /// Passes if it is a call; none if they are computed.
     pub passes: Option<u32>,

@@ -1,8 +1,8 @@
 //! Statements that several controls have: their actions, given the values of their operands.
 //!
-//! A statement is a constant of this file; each dialect that has it names it in a row of its table of keywords, reads
-//! the operands in its own notation and evaluates them. *Invariant:* a statement reaches its kernel only through
-//! `Host`.
+//! A statement is a constant of this file. Each dialect that has the statement names it in a row of its table of
+//! keywords, reads the operands in its own notation and evaluates them. *Invariant:* a statement reaches its kernel
+//! only through `Host`.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

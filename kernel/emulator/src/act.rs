@@ -197,7 +197,7 @@ impl Act<'_, '_> {
         self.kernel.push_event(event);
     }
 
-    /// The block has done something that a loop without an end could not hide.
+    /// Records that the block has an effect that an endless loop could not hide.
     pub(crate) fn note_effect(&mut self) {
         self.kernel.flow.pass.effects = true;
     }

@@ -217,7 +217,7 @@ impl Kernel<'_> {
         hooks.into_iter().any(|hook| self.inside(hook))
     }
 
-    /// The innermost running macro is the one of this hook.
+    /// Whether the innermost running macro is that of this hook.
     fn inside(&self, hook: Hook) -> bool {
         let code = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(hook));
         let running = self.macros.calls.running.last().map(|call| call.code);

@@ -1,4 +1,4 @@
-//! The one public entry: prepare a job, run it, receive ordered events.
+//! The only public entry: prepare a job, run it, receive ordered events.
 
 pub use counterpoint_emulator::macros::STACK;
 pub use counterpoint_event::Outcome;

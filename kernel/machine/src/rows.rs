@@ -150,7 +150,7 @@ pub struct CodeRow {
     pub seconds: f64,
     /// The actions that its seconds run in parallel with.
     pub overlap: Overlap,
-    /// Axis role that a canned cycle works along (0 X, 1 Y, 2 Z), none = the one that the plane leaves.
+    /// Axis role along which a canned cycle works (0 X, 1 Y, 2 Z), none = the axis normal to the plane.
     pub axis: Option<u8>,
     /// Line in `file` where the row is defined.
     pub line: u32,

@@ -96,7 +96,7 @@ fn sorted_codes(machine: &Machine) -> Vec<&super::rows::CodeRow> {
     rows
 }
 
-/// A row is a second form of its identifier: an earlier row of the file has it too.
+/// Whether a row is a second form of its identifier, which an earlier row of the file also has.
 fn is_alias(machine: &Machine, row: &super::rows::CodeRow) -> bool {
     machine.codes.iter().take_while(|other| !std::ptr::eq(*other, row)).any(|other| other.id == row.id)
 }

@@ -96,8 +96,8 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// Does a little of the work that was put off; `false` when there is none. `look`: the other kernels may have come
-    /// so far that there is more.
+    /// Does a little of the deferred work; `false` when there is none. `look`: the other kernels may have advanced so
+    /// far that there is more.
     pub fn work(&mut self, look: bool, (channel, coordinator): (u16, Port<'_>)) -> bool {
         if look {
             self.backlog.look(coordinator.floor(channel));

@@ -55,7 +55,7 @@ pub(crate) trait Grammar {
     /// The part read so far.
     fn ops(&mut self) -> &mut Vec<Op<Self::Value, Self::Own>>;
 
-    /// Takes an operator or sign, if the text has it here.
+    /// Takes an operator or sign, if it is next in the text.
     fn takes(&mut self, word: &str) -> bool;
 
     /// Reads an operand without signs.

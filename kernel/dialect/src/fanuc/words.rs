@@ -110,7 +110,7 @@ impl Parser<'_> {
         };
         self.blanks();
         let start = self.at;
-        // Letters after that of the word are a function only if the control has it.
+        // Letters after the first letter of the word are a function only if the control has that function.
         if self.peek().is_some_and(|byte| byte.is_ascii_uppercase()) && !self.stands_function() {
             return Err(self.error("a value"));
         }

@@ -247,7 +247,7 @@ impl Heidenhain {
         Ok(None)
     }
 
-    /// The unit of the program that has called the one that ends, where that had another one.
+    /// The unit of the program that has called the ending one, if the units differ.
     pub(super) fn unit_of_caller(&mut self, host: &dyn Host) -> Option<String> {
         let inches = self.variables.calls.here_mut().caller_in_inches.take()?;
         self.units.inches = inches;

@@ -37,7 +37,7 @@ impl Free {
 }
 
 impl Walk<'_> {
-    /// The only solution, or the one that FSELECT after the elements that it needs selects.
+    /// The only solution, or the solution that FSELECT selects after the elements that it needs.
     pub(super) fn pick<T: Copy>(&mut self, found: &[T], behind: usize) -> Option<T> {
         if found.len() < 2 {
             return found.first().copied();

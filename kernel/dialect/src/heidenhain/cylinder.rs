@@ -39,7 +39,7 @@ pub(super) struct Unrolled {
     round: f64,
     /// Units of the program for a unit of X: more than 1 where X is in degrees.
     scale: f64,
-    /// The contour names the rotary axis, as old programs do; told by its first block.
+    /// Whether the contour names the rotary axis, as old programs do; its first block decides.
     by_name: Option<bool>,
 }
 

@@ -27,7 +27,7 @@ const ANSWERS: u32 = 8;
 /// The machine's rows of a text.
 pub(super) enum Asked {
     Value(Value),
-    /// It is nothing, and nothing is to be said.
+    /// No value and no report.
     Nothing,
     /// The text stays as it is.
     Kept,

@@ -48,8 +48,7 @@ pub(super) struct Free {
     begins: Option<Point>,
     /// Elements with the number of their block: end, direction there.
     known: Vec<(u32, Point, Option<Point>)>,
-    /// FSELECT, each with how many elements it stands behind that follow the one that is being made, its number and its
-    /// line.
+    /// FSELECT entries: the number of elements that FSELECT follows after the current one, its number and its line.
     pub(super) selects: Vec<(usize, usize, u32)>,
     /// Lines of those that have selected something.
     pub(super) decided: Vec<u32>,

@@ -27,7 +27,7 @@ pub(super) struct Modes {
     pub(super) softened: bool,
     /// Radius of G27, until the block that leaves the contour.
     pub(super) leaves: Option<f64>,
-    /// Whether a file is an ISO program, for the one in process.
+    /// Whether the current file is an ISO program.
     file: Option<(FileId, bool)>,
 }
 

@@ -13,7 +13,7 @@ const LARGEST: f64 = 270.0;
 impl Walk<'_> {
     const POLAR: [&'static str; 6] = ["PR", "IPR", "PA", "IPA", "H", "R"];
 
-    /// End of a block in polar coordinates, and the angle that the tool goes around the pole if that is said.
+    /// End of a block in polar coordinates, and the angle that the tool goes around the pole if the block gives it.
     pub(super) fn polar_end(&mut self) -> Option<(Position, Option<f64>)> {
         if self.path.poles.upright.is_some() {
             self.refuse("an approach or departure in polar coordinates needs a pole (CC) in the working plane");

@@ -50,9 +50,9 @@ pub(super) enum Rounding {
 /// Other tools that a cycle names, and the kind of its contours.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Others {
-    /// The one that holes are for; none for the active one.
+    /// The tool for which holes are made; none for the active tool.
     pub(super) holes: Option<u32>,
-    /// The one that has roughed before.
+    /// The tool that has roughed before.
     pub(super) earlier: Option<u32>,
     /// The first contour bounds the material, the tool may leave it.
     pub(super) open: bool,

@@ -56,7 +56,7 @@ impl Tools {
         (self.table.len() + self.pockets.len()) * 60
     }
 
-    /// Teeth of a tool, 0 where no program has said them.
+    /// Teeth of a tool, 0 if no program has set them.
     pub(super) fn teeth(&self, tool: f64) -> f64 {
         self.table.get(&(row(tool), TEETH)).copied().unwrap_or(0.0)
     }

@@ -100,7 +100,7 @@ pub trait Flow {
     /// The block continues at a line of its program.
     ///
     /// # Errors
-    /// A loop that nothing can end any more.
+    /// A loop that can never end.
     fn go_to(&mut self, line: u32) -> Acted;
 
     /// The same at a block.

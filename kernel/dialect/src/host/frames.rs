@@ -51,7 +51,7 @@ pub trait Frames {
     /// Positions count from where the axes are.
     fn relative(&self) -> bool;
 
-    /// Angle and distance from the pole that hold, as the program counts; none that was never said.
+    /// Active angle and distance from the pole, in program units; none if no block has set them.
     fn polar(&self) -> [Option<f64>; 2];
 
     /// Distances of axes that are programmed as diameters are radii.

@@ -167,7 +167,7 @@ impl Isg {
         Ok(full)
     }
 
-    /// The one index of an external variable.
+    /// The only index of an external variable.
     fn index(&mut self, host: &mut dyn Host, name: &str, indices: &[Expr]) -> Outcome<Option<f64>> {
         match indices {
             [] => Ok(None),

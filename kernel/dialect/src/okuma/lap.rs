@@ -19,7 +19,7 @@ use crate::host::{Host, Shape};
 pub(super) enum Lap {
     /// It begins one.
     Begins,
-    /// It cuts along the one with this name, without N.
+    /// It cuts along the contour with this name, without N.
     Cuts(String),
 }
 

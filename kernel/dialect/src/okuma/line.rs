@@ -462,7 +462,7 @@ pub(super) fn is_header(line: &[u8]) -> bool {
     line.first() == Some(&b'$') && line.last() == Some(&b'%')
 }
 
-/// A line that continues with the one above it: `$` before its words.
+/// Whether a line continues the previous line: `$` before its words.
 pub(super) fn is_continued(line: &[u8]) -> bool {
     line.trim_ascii_start().first() == Some(&b'$') && !is_header(line)
 }

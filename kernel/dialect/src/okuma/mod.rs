@@ -51,7 +51,7 @@ const ALARM_TEXTS: usize = 1000;
 #[derive(Debug)]
 pub(crate) struct Okuma {
     store: store::Store,
-    /// Modal calls, the one in force last.
+    /// Modal calls, the active one last.
     modal: Vec<run::Modal>,
     /// Arguments of the call that the block at a place has made.
     arguments: Option<(FileId, u32, Arguments)>,

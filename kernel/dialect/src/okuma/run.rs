@@ -1,9 +1,9 @@
 //! Execution of a block of the pre-processor.
 //!
 //! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times,
-//! unless a setting says that it counts executions; a modal call calls after every block that moves in the program that
-//! said it, with the values its arguments had then, and ends with that program. Invariant: words keep their order; a
-//! block that leaves none leaves no text.
+//! unless a setting says that it counts executions. A modal call calls after every block that moves in the program that
+//! contains it, with the values that its arguments had at the modal call, and ends with that program. Invariant: words
+//! keep their order; a block that leaves none leaves no text.
 
 use counterpoint_fault::{Acted, Halt};
 use std::borrow::Cow;

@@ -193,7 +193,7 @@ fn to_points(host: &mut dyn Host, left: &mut Left, fixed: bool) -> Outcome<()> {
     Ok(())
 }
 
-/// TRANS replaces the whole translation: axes that it does not name are not moved any more.
+/// TRANS replaces the whole translation: axes that it does not name are no longer moved.
 fn whole_translation(host: &dyn Host, left: &mut Left) {
     if left.words.split(' ').any(|word| word.len() == 1) {
         // An axis without its value: the message shows the block as it is.

@@ -180,7 +180,7 @@ impl Siemens {
         }
     }
 
-    /// Does something without asking macros; none if it cannot be done.
+    /// Executes work without asking macros; none if that is not possible.
     fn quietly<T>(&mut self, work: impl FnOnce(&mut Self) -> Outcome<T>) -> Result<Option<T>, Halt> {
         let before = std::mem::replace(&mut self.quiet, true);
         let done = work(self);

@@ -154,7 +154,7 @@ impl Siemens {
             return Ok(Some(Data::Int(value)));
         }
         if matches!(name.name.as_str(), "$AC_DTEW" | "$AA_DTEW") {
-            // A block is read when it begins, and then nothing is left of the one before.
+            // A block is read when it starts, and then nothing is left of the previous block.
             return Ok(Some(Data::Real(0.0)));
         }
         if let Some(side) = Side::named(&name.name) {

@@ -21,7 +21,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Head(event) => |act, row, _code| other(act, event, row)),
 ];
 
-/// Loads a head: main 1, side 2, or the one that the word names.
+/// Loads a head: main 1, side 2, or the head that the word names.
 pub(super) fn load(act: &mut Act<'_, '_>, number: Option<u32>) -> Acted {
     let word = number.map(f64::from).or_else(|| act.take(data::HEAD_ID).map(|d| d.value));
     let Some(id) = word.and_then(valid) else {

@@ -24,7 +24,7 @@ pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
     act.tool_event(ToolAction::Select, tool, offset, 0)
 }
 
-/// Loads a tool, or changes only its offset when it is the one in use.
+/// Loads a tool, or changes only its offset when the tool is already in use.
 pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
     // Tool 0 empties the spindle. If the word has an offset number, T0000 cancels the offset and the turret does not
     // turn.

@@ -21,7 +21,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// Modal group of the shorter path.
 const SHORTEST: u16 = 151;
 
-/// Rotary axes that have no limits and take positions turn the shorter path to them, or not any more.
+/// Switches the shorter path on or off for rotary axes that have no limits and take positions.
 fn shortest(act: &mut Act<'_, '_>, on: bool) -> Acted {
     let axes: Vec<AxisSlot> = {
         let takes = |(_, axis): &(AxisSlot, &crate::state::position::Axis)| {

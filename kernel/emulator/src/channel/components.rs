@@ -21,7 +21,7 @@ use crate::macros::runtime::Runtime;
 pub struct Component<'a> {
     /// The minor word by which macros name it.
     pub designator: &'a str,
-    /// Its name for people.
+    /// Its name in messages.
     pub name: &'a str,
     /// Channels that it may work in.
     pub channels: &'a [u16],
@@ -38,9 +38,9 @@ pub struct Component<'a> {
 pub(crate) struct Turns {
     /// Place of the active one; none on a machine that is not a composite.
     pub(crate) now: Option<usize>,
-    /// Place of the one before.
+    /// Place of the previous component.
     pub(crate) before: Option<usize>,
-    /// Place of the one that a macro has requested.
+    /// Place of the component that a macro has requested.
     pub(crate) wanted: Option<usize>,
     /// Macros of components that have worked here, by place.
     pub(crate) kept: Vec<(usize, Box<Runtime>)>,
@@ -84,12 +84,12 @@ impl<'a> Components<'a> {
         self.turns.now.and_then(|now| self.all.get(now))
     }
 
-    /// The one before.
+    /// The previous component.
     pub(crate) fn previous(&self) -> Option<&'a Component<'a>> {
         self.turns.before.and_then(|before| self.all.get(before))
     }
 
-    /// Place of the one that a designator names in a channel.
+    /// Place of the component that a designator names in a channel.
     pub(crate) fn named(&self, designator: &str, channel: u16) -> Option<usize> {
         let is =
             |one: &Component<'_>| one.designator.eq_ignore_ascii_case(designator) && one.channels.contains(&channel);

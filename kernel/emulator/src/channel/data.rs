@@ -162,7 +162,7 @@ impl Kernel<'_> {
         (raw * increments * source.mul + source.add, dimension)
     }
 
-    /// Increments that one of a word is, and the dimension that it then has: with a decimal point it is a length
+    /// Number of increments of one unit of a word, and the dimension of the word: with a decimal point it is a length
     /// (reference turning-cycles.md 1).
     #[cold]
     fn counting(&self, word: &Word) -> (f64, Dimension) {
@@ -200,7 +200,7 @@ impl Kernel<'_> {
         false
     }
 
-    /// Says which of the data that an action could have done with have rows that are all switched off.
+    /// Reports the data that an action could have used and whose rows are all switched off.
     #[cold]
     pub(crate) fn report_switched_off(&mut self, ids: &[DataId]) {
         for &id in ids {

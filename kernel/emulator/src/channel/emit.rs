@@ -86,8 +86,8 @@ impl<'a> Emitter<'a> {
         self.held as usize
     }
 
-    /// Does a little of the work that was put off; `false` when there is none. `look`: the other kernels may have come
-    /// so far that there is more.
+    /// Does a little of the deferred work; `false` when there is none. `look`: the other kernels may have advanced so
+    /// far that there is more.
     pub(crate) fn work(&mut self, look: bool) -> bool {
         match &mut self.target {
             Target::Stream(stream) => stream.work(look, (self.channel, self.coordinator)),

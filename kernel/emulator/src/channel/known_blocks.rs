@@ -117,8 +117,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// The text is the number of a program, at most with a comment after it. Words that are not there any more may have
-    /// done anything.
+    /// The text is the number of a program, at most with a comment after it. Words that have been removed may have had
+    /// any effect.
     fn is_head_alone(&self, text: &[u8]) -> bool {
         let [word] = self.channel.block.words.as_slice() else { return false };
         let before = text.get(..word.start as usize).unwrap_or_default();

@@ -38,7 +38,7 @@ fn terminal(halt: Halt) -> (Terminal, Phase, State) {
 }
 
 impl Kernel<'_> {
-    /// Runs the channel until its program has ended and no channel can start it any more. `again` restarts it with
+    /// Runs the channel until its program has ended and no other channel can start it again. `again` restarts it with
     /// another file, with (`true`) or without resetting modal state. Without a program it waits for a start.
     pub fn live(mut self, start: Option<(FileId, Range, Arc<str>)>, again: Option<bool>) -> Lived {
         self.ports.coordinator.begin(self.channel.at.channel);
@@ -81,7 +81,7 @@ impl Kernel<'_> {
         self.finish(halt)
     }
 
-    /// Waits until another channel starts a program here; none if no channel can any more.
+    /// Waits until another channel starts a program here; none if no channel can do so any more.
     fn wait_for_start(&mut self) -> Option<(FileId, Range, Arc<str>)> {
         let (coordinator, channel) = (self.ports.coordinator, self.channel.at.channel);
         let wake = coordinator.wait(channel, self, |kernel| kernel.flush());
@@ -197,7 +197,7 @@ impl Kernel<'_> {
         self.log_verdict(verdict);
     }
 
-    /// Logs a verdict whose channels have said the rest by their alarms.
+    /// Logs a verdict on channels whose alarms have already reported the rest.
     pub(crate) fn log_verdict(&mut self, verdict: Verdict) {
         let place = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
         self.log_of_master(place, Kind::Verdict(Box::new(verdict)));
@@ -279,7 +279,7 @@ impl Kernel<'_> {
         });
         match verdict {
             Ok(verdict) => {
-                // Only the one that stops the others gets here.
+                // Only the kernel that stops the others gets here.
                 if let Some(limit) = limit {
                     self.ports.control.reach(limit);
                 }

@@ -33,7 +33,7 @@ pub(crate) struct DialectState {
     pub(crate) variables: ChannelVariables,
     /// Interpreter of statements other than plain words; it is `None` while it runs.
     pub(crate) interpreter: Option<Box<dyn Interpreter>>,
-    /// Programs that the interpreter has read are out of date; it is notified when it is put back.
+    /// Programs that the interpreter has read are out of date; the interpreter is notified when it is put back.
     pub(crate) is_stale: bool,
 }
 

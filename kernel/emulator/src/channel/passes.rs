@@ -25,7 +25,7 @@ type Key = (FileId, u32, u32);
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Pass {
     pub(crate) key: Key,
-    /// Running programs, the one with the loop included.
+    /// Running programs, including that of the loop.
     depth: usize,
     /// Passes so far.
     pub(crate) count: u64,
@@ -44,7 +44,7 @@ pub(crate) struct Pass {
     begun: Option<(u64, u64)>,
 }
 
-/// The loops that a channel is in, the one that jumped back last at the end.
+/// The loops that a channel is in; the last to jump back is at the end.
 #[derive(Debug, Default)]
 pub(crate) struct Passes {
     /// Something happened since the last jump back that a later pass could see.
@@ -98,7 +98,7 @@ impl Passes {
         self.loops.retain(|pass| pass.depth <= depth);
     }
 
-    /// A block of the loop that jumped back last, which has done nothing since but look.
+    /// A block of the loop that jumped back last, which has only read since.
     fn looks(&self, (file, line): (FileId, u32), depth: usize) -> bool {
         let (of, first, last) = self.last().key;
         !self.effects && !self.changes && self.last().depth == depth && of == file && (first..=last).contains(&line)

@@ -228,7 +228,7 @@ impl Kernel<'_> {
         let Some(source) = sources.get(file).filter(|s| s.lines() > 0) else { return Ok(None) };
         let plain = source.programs().first().copied().filter(|&range| source.is_plain(range));
         let all = match plain {
-            // Text before definitions is a program, the one that the file is named after.
+            // Text before definitions is a program: that after which the file is named.
             Some(range) if !whole => range,
             None if !whole => return Ok(None),
             _ => Range { number: None, first: 1, last: source.lines() },

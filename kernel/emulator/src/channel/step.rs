@@ -125,7 +125,7 @@ pub fn common(shared: &Shared, globals: &[String]) -> Vec<(String, Shown)> {
     numbers.chain(named).chain(globals).take(MOST).collect()
 }
 
-/// A value that a person can read at a glance.
+/// A value short enough to be read at a glance.
 fn shown(value: &Value) -> Option<Shown> {
     match value {
         Value::Real(number) => Some(Shown::Number(*number)),

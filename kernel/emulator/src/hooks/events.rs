@@ -225,7 +225,7 @@ impl Kernel<'_> {
         self.sort_tools();
     }
 
-    /// Writes a loaded tool down, and the one before it.
+    /// Records a loaded tool, and the previous one.
     fn book_tool(&mut self, tool: u32, before: u32) {
         let store = &mut self.macros.variables.store;
         store.set(names().last_tool, Value::Real(f64::from(before)));

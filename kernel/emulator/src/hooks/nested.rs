@@ -82,7 +82,7 @@ impl Kernel<'_> {
         let begun = self.work(burden::BLOCK).and_then(|()| self.check_limits());
         let done = begun.and_then(|()| process(self)).and_then(|()| self.call_at_once());
         self.leave_block(outer);
-        // The rest of that block is dropped, not that of the one around it.
+        // The rest of the inner block is dropped, not that of the outer block.
         if done == Err(Halt::Dropped) { Ok(()) } else { done }
     }
 
@@ -98,7 +98,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Continues with the block that was put aside.
+    /// Continues with the block that was set aside.
     fn leave_block(&mut self, outer: Outer) {
         let Outer { block, context, acting, pending } = outer;
         self.channel.acting = acting;

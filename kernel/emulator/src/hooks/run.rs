@@ -1,7 +1,7 @@
 //! Macros of a kernel as they run: how one starts and ends, and how the kernel works while it runs.
 //!
-//! *Invariant:* the state of the machine of the language lies with the kernel while no macro runs, and goes to the one
-//! that does; macros nest as deep as the stack of their thread holds.
+//! *Invariant:* the state of the machine of the language is with the kernel while no macro runs, and with the running
+//! macro otherwise. Macros nest as deep as the stack of their thread allows.
 
 use counterpoint_fault::Halt;
 use std::sync::Arc;

@@ -26,7 +26,7 @@ impl Kernel<'_> {
         self.plan.rows_of_code[id]
     }
 
-    /// Makes a code the active one of its group, without acting; the one that was.
+    /// Makes a code the active one of its group, without acting; returns the previous one.
     pub(crate) fn activate_code(&mut self, id: CodeId) -> Option<CodeId> {
         let row = self.row_of_code(id)?;
         let group = Some(self.channel.env.machine.codes[row].group).filter(|group| *group != 0)?;

@@ -50,7 +50,7 @@ struct Walk<'w, 'k> {
     stood: FxHashSet<Standing>,
     /// The content of searched programs, by file and lines.
     looked: FxHashMap<(FileId, u32, u32), Option<u32>>,
-    /// That loops are taken to end has been said.
+    /// Whether it has been reported that loops are assumed to end.
     loops: bool,
     /// Words that have been reported as unknown.
     unknown: FxHashSet<String>,

@@ -60,7 +60,7 @@ impl Kernel<'_> {
             }
         }?;
         match self.flow.pending {
-            // Said by a macro around the call.
+            // Programmed by a macro around the call.
             Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),
             _ => Ok(()),
         }

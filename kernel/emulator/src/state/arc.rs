@@ -35,7 +35,7 @@ pub(crate) struct Arcs {
     pub(crate) feed: Option<(f64, FeedUnit)>,
     /// Pole of polar coordinates in the frame of the program, by axis of the channel.
     pub(crate) pole: Position,
-    /// Clockwise, as the last circle or code of direction said.
+    /// Clockwise, by the last circle or code of direction.
     pub(crate) clockwise: Option<bool>,
     /// Form of the corner at the end of the move of a block (a rounding), and that block.
     pub(crate) corner: Option<(bool, u64)>,

@@ -71,7 +71,7 @@ pub(crate) struct CycleHeights {
 pub(crate) struct Pecks {
     /// The first one.
     pub(crate) first: Option<f64>,
-    /// How much each is less than the one before.
+    /// Reduction of each step against the previous one.
     pub(crate) decrement: f64,
     /// The smallest one.
     pub(crate) least: f64,

@@ -33,7 +33,7 @@ impl Copy {
 #[derive(Debug, Clone)]
 pub(crate) struct Figure {
     pub(crate) copy: Copy,
-    /// Copies made before the one that runs.
+    /// Copies made before the running one.
     pub(crate) made: u32,
     /// The local frame before the first one.
     pub(crate) base: Local,

@@ -1,4 +1,4 @@
-//! Words that a channel remembers: the one table of them.
+//! Words that a channel remembers: the only table of them.
 //!
 //! A control keeps the last number of a word whether or not a code of the block used it: an offset number that is alone
 //! in its block is the one that a later code takes. Codes, system variables, the tools of the summary and stepping all

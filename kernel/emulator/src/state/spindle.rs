@@ -1,4 +1,4 @@
-//! Spindles of a channel: the active one, and those that it can put into work.
+//! Spindles of a channel: the active one, and those that it can activate.
 //!
 //! *Invariant:* a spindle that several channels command has no state of its own here but a copy.
 
@@ -75,7 +75,7 @@ pub(crate) struct Spindles {
     pub(crate) kept: Table<SpindleId, Command>,
     /// Milling mode.
     pub(crate) milling: bool,
-    /// Head that drives constant surface speed, when a code has said so.
+    /// Head that drives constant surface speed, when a code has set it.
     pub(crate) driver: Option<u16>,
     /// A speed that waits for the next spindle code.
     pub(crate) waiting: Option<f64>,

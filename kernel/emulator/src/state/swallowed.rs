@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-/// Maximum number of listed functions; the rest are counted.
+/// Maximum number of listed functions; the list says if there are others.
 const MOST: usize = 100;
 
 /// Numbers of the functions that a program has commanded without effect.

@@ -14,7 +14,7 @@ pub(crate) struct Screw {
     pub(crate) lead: f64,
     /// Change of the lead with each revolution.
     pub(crate) change: f64,
-    /// Axis that the lead counts along; none for the one with the longer travel.
+    /// Axis along which the lead counts; none for the axis with the longer travel.
     pub(crate) along: Option<AxisSlot>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct PullOut {
     pub(crate) on: bool,
     /// Its length along the thread, 0 = by the lead.
     pub(crate) length: f64,
-    /// Its length in leads, if it was said like this.
+    /// Its length in leads, if it was given in leads.
     pub(crate) leads: Option<f64>,
     /// Its angle to the thread, degrees.
     pub(crate) angle: f64,

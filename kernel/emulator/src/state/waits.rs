@@ -13,7 +13,7 @@ pub(crate) struct KnownWaits {
     /// How the machine writes its waits.
     pub(crate) rules: Rules,
     known: FxHashMap<wait::Wait, Arc<Wait>>,
-    /// That waits depend on who comes first has been said.
+    /// Whether the dependence of waits on the order of arrival has been reported.
     pub(crate) order_noted: bool,
 }
 

@@ -33,7 +33,7 @@ record! {
     /// The earlier one of two accesses to a variable that race.
     #[derive(Debug, Clone, PartialEq, Eq, Default)]
     pub struct RaceWith {
-        /// The variable as people know it.
+        /// The variable by its name in programs.
         pub variable: Box<str> = 1,
         /// Channel of the earlier access.
         pub channel: u16 = 2,

@@ -121,7 +121,7 @@ pub enum Value<'a> {
 }
 
 impl Value<'_> {
-    /// Nothing is said by it.
+    /// Whether the value adds no information.
     #[must_use]
     pub fn is_blank(&self) -> bool {
         match self {

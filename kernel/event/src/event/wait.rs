@@ -28,7 +28,7 @@ record! {
     /// The channel arrived at a sync point and may now have to wait.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Wait {
-        /// Mark as shown to people: `M101`, `M101 P12`.
+        /// Mark in messages: `M101`, `M101 P12`.
         pub key: Arc<str> = 1,
         /// Primitive that waits.
         pub primitive: Primitive = 2,

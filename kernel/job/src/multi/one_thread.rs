@@ -1,9 +1,9 @@
 //! All kernels of a job on the thread of its master, in turns.
 //!
-//! A kernel runs until it has to wait for another one; then the one that is furthest behind in simulated time
+//! A kernel runs until it has to wait for another kernel; then the kernel that is furthest behind in simulated time
 //! continues. So a wait costs a change of stacks, regardless of the load of the processors, and a job never needs more
-//! than one of them. Invariant: one kernel runs at a time, and one that waits for a signal does not run before it has
-//! it.
+//! than one of them. Invariant: one kernel runs at a time, and a kernel that waits for a signal does not run before it
+//! has the signal.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
@@ -76,8 +76,8 @@ impl Scheduler<'_> {
         ends
     }
 
-    /// The next kernel: of those with work the one that is furthest behind, or the kernel that the operator selects.
-    /// One that needs an empty chunk comes last: the others bring the merger on. `None`: all have ended.
+    /// The next kernel: of those with work the one that is furthest behind, or the kernel that the operator selects. A
+    /// kernel that needs an empty chunk comes last: the others let the merger advance. `None`: all have ended.
     fn next_turn(&self, turns: &[Turn<'_>]) -> Option<usize> {
         let coordinator = self.coordinator;
         let ready = |turn: &Turn<'_>| turn.pause != Some(Pause::Sleep) || !coordinator.sleeps(turn.channel);

@@ -1,7 +1,7 @@
 //! One run of all kernels after the other: Machine Shutdown may start the machine again with another file.
 //!
-//! Facts: reference control-emulator.md 5.8. Invariant: between two rounds no kernel runs; the next one begins at the
-//! time at which the log of the one before has ended, one microstep later, so the log stays in order.
+//! Facts: reference control-emulator.md 5.8. Invariant: between two rounds no kernel runs. The next round starts at the
+//! time at which the log of the previous round ended, one microstep later, so the log stays in order.
 
 use super::channels::Channels;
 use super::coordinator::Coordinator;

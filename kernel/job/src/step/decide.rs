@@ -44,14 +44,15 @@ pub(super) struct Standing<'k> {
     pub(super) waits: &'k dyn Fn(u16) -> bool,
 }
 
-/// Of the kernels that have something to do and may, the one that is furthest behind. One that is too far ahead comes
+/// Of the kernels that have work and may run, the one that is furthest behind. A kernel that is too far ahead comes
 /// last.
 pub(super) fn furthest_behind(kernels: &[Candidate], may: impl Fn(u16) -> bool) -> Option<usize> {
     let able = kernels.iter().enumerate().filter(|(_, kernel)| kernel.ready && may(kernel.channel));
     able.min_by_key(|(_, kernel)| (kernel.far_ahead, kernel.bound, kernel.channel)).map(|(at, _)| at)
 }
 
-/// A channel begins a block as the goal has it, which counts; `first`: no other one is further behind.
+/// Whether the start of a block of a channel counts for the goal, and counts it. `first`: no other channel is further
+/// behind.
 fn passed(goal: &mut Goal, channel: &Channel, first: bool) -> bool {
     match goal {
         Goal::Free => first,
@@ -98,8 +99,8 @@ impl State {
             return Decision::Stop(0, self.with_holds(reason));
         };
         let Some(kernel) = kernels.get(at) else { return Decision::Run(at) };
-        // A channel that is too far ahead continues when the others come up; held ones and those whose step is done do
-        // not.
+        // A channel that is too far ahead continues when the others catch up; held channels and those whose step is
+        // complete do not.
         let limited = self.goal == Goal::All || self.channels.iter().any(|one| one.held);
         if kernel.far_ahead && limited && self.ahead == Some(kernel.channel) {
             self.ahead = None;

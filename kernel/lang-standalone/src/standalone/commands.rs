@@ -29,7 +29,7 @@ impl Registers for Standalone {
 }
 
 impl Standalone {
-    /// Takes a line; a fault that ends the whole run if the lines are not taken any more.
+    /// Takes a line; a fault that ends the whole run if the output accepts no more lines.
     fn show(&mut self, state: &mut State, stream: Stream, text: &str) -> Outcome<i32> {
         let Some(outside) = &mut self.outside else {
             self.output.printed.push(text.to_owned());
@@ -39,7 +39,7 @@ impl Standalone {
         self.check_open(state)
     }
 
-    /// Ends the whole run when the lines are not taken any more.
+    /// Ends the whole run when the output accepts no more lines.
     fn check_open(&self, state: &mut State) -> Outcome<i32> {
         if !self.output.closed {
             return Ok(0);

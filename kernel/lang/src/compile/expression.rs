@@ -403,7 +403,7 @@ impl MacroCompiler<'_> {
         (a, b)
     }
 
-    /// The truth is made in a register of its own: the right side may still read the one that is wanted.
+    /// The truth is made in a register of its own: the right side may still read the wanted register.
     fn logic(&mut self, sign: Sign, left: &Expr, right: &Expr, wanted: Option<Slot>) -> Operand {
         let to = self.temporary();
         let a = self.typed(left, Kind::Logical, "a truth value");

@@ -289,7 +289,7 @@ pub(super) fn kind(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let translation = homogeneous && (0..3).any(|row| !near(matrix.at(row, 3), 0.0));
     let shape = shape(&matrix, size);
     let mirrored = determinant(&matrix, size) < 0.0;
-    // Neither a mirror nor a scale can be told from a rotation that they are mixed with.
+    // A mirror or a scale cannot be distinguished from a rotation that it is mixed with.
     let rotation = match shape {
         Shape::Rotated if !mirrored => 100.0,
         Shape::Rotated | Shape::Mixed => 200.0,

@@ -148,7 +148,7 @@ pub(super) fn formatted(context: &mut Context<'_>, arguments: &[Value]) -> Outco
     Ok(Value::text(out))
 }
 
-/// A text that may be longer than the one it was made of.
+/// A text that may be longer than its source.
 fn made(context: &Context<'_>, text: String) -> Outcome<Value> {
     context.state.check_text(text.len())?;
     Ok(Value::text(text))

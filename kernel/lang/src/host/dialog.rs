@@ -20,7 +20,7 @@ pub enum Step<'a> {
     Entering(Macro<'a>),
     /// A statement is about to be executed, in standard style.
     Statement(Macro<'a>, &'a str),
-    /// A macro is left; the name of the one that continues, none for the outermost.
+    /// A macro is left; the name of the macro that continues, none for the outermost.
     Leaving(Macro<'a>, Option<&'a str>),
 }
 

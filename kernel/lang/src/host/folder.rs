@@ -103,7 +103,7 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// The current folder below the folder of the run, empty for that one.
+    /// The current folder below the folder of the run, empty for the folder of the run itself.
     #[must_use]
     pub fn path(&self) -> &str {
         &self.current

@@ -61,7 +61,7 @@ pub(crate) fn pay_to_look_inside(state: &mut State, elements: &[Value]) -> Outco
     state.spend(bytes / 64)
 }
 
-/// Pays for the copy that changing a value in place needs when another variable has it, too.
+/// Pays for the copy that changing a value in place needs when another variable also has the value.
 pub(crate) fn pay_if_shared(state: &mut State, value: &Value) -> Outcome<()> {
     match value {
         Value::Text(text) if Arc::strong_count(text) > 1 => state.grow(memory::text(text.len())),

@@ -15,8 +15,8 @@ use std::sync::Arc;
 /// Bytes of a text from which on looking at it or copying it costs steps.
 const LONG: usize = 64;
 
-/// Takes one short form on values that may be no numbers. The answer is the next instruction and the ticks that are
-/// left; nothing was done if it is the same instruction.
+/// Takes one short form on values that may not be numbers. Returns the next instruction and the remaining ticks; if
+/// that is the same instruction, nothing was done.
 #[allow(clippy::too_many_lines, reason = "one arm per form")]
 #[inline(never)]
 pub(super) fn step(

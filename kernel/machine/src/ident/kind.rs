@@ -63,7 +63,7 @@ pub enum CodeKind {
     TipFormat(u8),
     /// A spindle.
     Spindle {
-        /// Number of the spindle, 0 = the one of codes without a number.
+        /// Number of the spindle, 0 = that of codes without a number.
         number: u16,
         /// Its effect.
         direction: Direction,

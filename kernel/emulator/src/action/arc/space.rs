@@ -1,7 +1,7 @@
 //! Arcs in space, by a point on their way.
 //!
 //! Facts: reference control-emulator.md 6.1 (through-point arc). Decision: the point is read as the end is: by position
-//! mode, diameters on a diameter axis; a coordinate that is not said is that of the start.
+//! mode, diameters on a diameter axis; an omitted coordinate is that of the start.
 
 use counterpoint_machine::index::BySlot;
 use counterpoint_motion::arc::Arc;
@@ -83,7 +83,7 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
     Ok(())
 }
 
-/// Takes the point on the way: bits of the coordinates that are said, and the point.
+/// Takes the point on the way: bits of the given coordinates, and the point.
 fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
     let relative = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let (mut said, mut via) = (0, act.programmed());

@@ -81,7 +81,7 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
     Ok(())
 }
 
-/// Nothing waits any more: without compensation and modal rounding moves are plain again.
+/// Ends the waiting: without compensation and modal rounding, moves are plain again.
 pub(super) fn end(act: &mut Act<'_, '_>) {
     let rounds = act.state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
     if !rounds

@@ -28,7 +28,7 @@ impl Act<'_, '_> {
         events
     }
 
-    /// Lets held events out up to (not including) the one with this number; they come `late` ns later.
+    /// Releases held events up to (not including) the event with this number; they come `late` ns later.
     pub(super) fn put_back_events(&mut self, events: &mut std::vec::IntoIter<Event>, count: usize, late: i64) {
         for mut event in events.by_ref().take(count) {
             event.t_ns = event.t_ns.saturating_add(late);

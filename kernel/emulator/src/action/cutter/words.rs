@@ -126,7 +126,7 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
     asked
 }
 
-/// Distance from the pole and angle, of which the one that is not in the block is that of the last one.
+/// Distance from the pole and angle; the one missing in the block keeps its last value.
 pub(in crate::action) fn polar(act: &mut Act<'_, '_>) -> Option<[f64; 2]> {
     let ids = [data::POLE_RADIUS, data::POLE_ANGLE];
     let own = ids.map(|id| act.take(id).map(|datum| datum.value));
@@ -200,7 +200,7 @@ fn modal_rounding(act: &mut Act<'_, '_>) {
     }
 }
 
-/// The corner at the end of a move: its own, or the one that all moves have.
+/// The corner at the end of a move: its own, or the modal one.
 pub(super) fn corner_of(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
     let asked = act.cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
     let rounding = act.state.place.frames.as_deref().and_then(|frames| frames.rounding);

@@ -146,7 +146,7 @@ fn has_position(act: &Act<'_, '_>) -> bool {
     act.has_motion_word() || !act.block.added.is_empty()
 }
 
-/// Role and channel axis that a cycle works along: that of its row, otherwise the one that the plane leaves; Z on a
+/// Role and channel axis along which a cycle works: that of its row, otherwise the axis normal to the plane; Z on a
 /// lathe.
 fn axis_of(act: &Act<'_, '_>, row: &CodeRow) -> Option<(usize, AxisSlot)> {
     let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(|axis| (role, axis));

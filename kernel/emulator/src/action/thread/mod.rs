@@ -146,7 +146,7 @@ fn take_starts(act: &mut Act<'_, '_>) -> f64 {
 }
 
 impl Act<'_, '_> {
-    /// The axis that the program has said for leads, if it moves.
+    /// The axis that the program has set for leads, if it moves.
     fn lead_axis(&self, target: &Position) -> Option<AxisSlot> {
         let axis = self.state.place.layout.cartesian.get(self.state.threads.along?).copied().flatten()?;
         (self.state.place.position.at(axis) != target.at(axis)).then_some(axis)
@@ -162,7 +162,7 @@ impl Act<'_, '_> {
         self.check_stop()
     }
 
-    /// Remembers the lead as feed per revolution where both are words of one register, as the one F of a control.
+    /// Remembers the lead as feed per revolution if both are words of one register, as the F of a control.
     pub(super) fn remember_lead(&mut self, pitch: f64) {
         self.state.remembered.remember(data::INTERP_THREAD_PITCH, pitch);
         if self.lead_is_feed() {

@@ -32,7 +32,7 @@ pub(crate) struct ModalCall {
 #[derive(Debug, Default)]
 pub(crate) struct ModalCalls {
     calls: Vec<ModalCall>,
-    /// The one that the call which is to come is made by.
+    /// The modal call that makes the next call.
     calling: Option<usize>,
 }
 
@@ -61,7 +61,7 @@ impl ModalCalls {
         self.calling.take()
     }
 
-    /// A call that one of them made is over: the next one finds its variables as they are. G66 alone sets arguments.
+    /// A call by one of them is over: the next call finds its variables unchanged. Only G66 sets arguments.
     pub(crate) fn keep(&mut self, caller: usize, variables: impl Iterator<Item = (u8, f64)>) {
         if let Some(call) = self.calls.get_mut(caller).filter(|call| !call.each) {
             call.arguments.clear();
@@ -110,7 +110,7 @@ impl Kernel<'_> {
         if let Some(own) = calls.iter().rposition(|call| call.level == level) {
             return Some(own);
         }
-        // In a macro that a modal call has called, the one before that calls.
+        // In a macro that a modal call has called, the modal call before that one calls.
         let caller = self.flow.frames.iter().rev().find(|frame| frame.own_variables)?.modal?;
         let before = caller.checked_sub(1)?;
         (calls.get(before)?.level == calls.get(caller)?.level).then_some(before)

@@ -21,7 +21,7 @@ impl Kernel<'_> {
 }
 
 impl Kernel<'_> {
-    /// The axis that lengths of tools are along: the one that the plane leaves.
+    /// The axis along which tool lengths count: the axis normal to the plane.
     fn along(&self) -> Option<AxisSlot> {
         let role = match self.channel.state.modal.code(group::PLANE) {
             Some(codes::PLANE_ZX) => 1,

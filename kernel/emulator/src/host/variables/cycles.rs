@@ -22,7 +22,7 @@ fn height(value: Option<Height>) -> Value {
     Value::Real(value.map_or(0.0, |height| height.value))
 }
 
-/// Sets something of the cycle that runs, or of the one that begins next.
+/// Sets a datum of the running cycle, or of the next one.
 fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut Cycle)) -> Outcome<()> {
     let machine = kernel.channel.env.machine;
     kernel.channel.state.cycle.prepare(machine);

@@ -82,7 +82,7 @@ pub(crate) struct Frames {
 pub(crate) type Shift = (Option<Programmed>, Option<Lines>);
 
 impl Frames {
-    /// Nothing is active any more.
+    /// Whether nothing is active any more.
     fn is_idle(&self) -> bool {
         self.local.is_empty()
             && self.beside.is_none()

@@ -45,7 +45,7 @@ pub(crate) struct Tilted {
 /// The program's data for a later plane.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Wishes {
-    /// Of two ways the one with the tilting axis on this side.
+    /// Of two solutions the one with the tilting axis on this side.
     pub(crate) side: Option<bool>,
     /// An axis that has nothing to do turns the plane.
     pub(crate) table: bool,

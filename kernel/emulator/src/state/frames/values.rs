@@ -1,7 +1,7 @@
 //! The values of the local frame: all parts of a kind taken together, in programmed units.
 //!
-//! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror takes the one
-//! before away again; of rotations and centres the newest counts.
+//! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror cancels the
+//! previous one; of rotations and centres the newest counts.
 
 use crate::state::channel::Channel;
 use counterpoint_event::event::{MAX_AXES, Position};

@@ -37,7 +37,7 @@ pub enum Tilt {
     Turn,
     /// The same, the tool keeps its place on the part.
     Move,
-    /// Of two ways the one with the tilting axis on the positive side, or on the negative side.
+    /// Of two solutions the one with the tilting axis on the positive side, or on the negative side.
     Side(bool),
     /// A rotary axis that has nothing to do turns the plane.
     Table,
