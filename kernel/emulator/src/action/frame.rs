@@ -156,11 +156,13 @@ pub(super) fn length_on(act: &mut Act<'_, '_>, number: u32) {
 }
 
 impl Act<'_, '_> {
-    /// Reports a work offset that has no values.
+    /// Reports a work offset that has no values, if the machine or its table of tools gives values to others: without any,
+    /// all are zero as G54 is.
     pub(super) fn missing_work_offset(&mut self, number: u32) {
-        let known = self.env.machine.work_offsets.len();
+        let offsets = &self.env.machine.work_offsets;
+        let known = offsets.iter().any(|values| values.iter().any(|value| *value != 0.0));
         let set = self.state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));
-        if known > 0 && number as usize > known && !set {
+        if known && number as usize > offsets.len() && !set {
             let text = format!("work offset {number} has no values in machine {}, zero is used", self.env.machine.name);
             self.diagnose(&diag::NO_OFFSET, text);
         }
