@@ -74,7 +74,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
     Ok(extended(changed, files, settings, (&components, &lathes)))
 }
 
-/// A lathe has codes that only some systems of G codes have.
+/// Whether a lathe has codes that only some systems of G codes have.
 fn has_systems(files: &Files, chain: &[String]) -> bool {
     let blobs = chain.iter().filter_map(|folder| files.0.get(&definition(folder)));
     let read =

@@ -90,7 +90,7 @@ impl Client {
         }
     }
 
-    /// The server is in this process and knows the machines built in.
+    /// Whether the server is in this process and knows the machines built in.
     pub(crate) fn is_embedded(&self) -> bool {
         self.own.is_some()
     }

@@ -99,7 +99,7 @@ pub(crate) fn no_row(filter: &str) -> u8 {
     1
 }
 
-/// The first table has names and values instead of columns.
+/// Whether the first table has names and values instead of columns.
 fn is_summary(head: &str) -> bool {
     head.starts_with("machine ")
 }

@@ -1,4 +1,4 @@
-//! `machine new`: a folder of one's own for a machine, thin over a shipped one.
+//! `machine new`: the user's own folder for a machine, thin over a shipped one.
 //!
 //! Invariants: the written files load without a finding and are the shipped machine until they are edited; nothing
 //! that exists is overwritten.

@@ -73,7 +73,7 @@ pub(crate) trait Blobs: Send + Sync + Debug {
 
 /// A blob on its way in. Dropping it leaves nothing behind.
 pub(crate) trait Receiver: Send {
-    /// A chunk is only copied, so it needs no thread that may wait.
+    /// Whether a chunk is only copied, so it needs no thread that may wait.
     fn in_memory(&self) -> bool;
 
     fn chunk(&mut self, data: &[u8]) -> Result<(), Refusal>;

@@ -1,4 +1,4 @@
-//! `counterpointd`: settings, build, announce, serve, drain; and the examination of a folder without a server.
+//! `counterpointd`: settings, build, announce, serve, drain; also examines a folder without a server.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 

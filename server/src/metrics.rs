@@ -260,7 +260,7 @@ impl Metrics {
         }
     }
 
-    /// All of it as a text that Prometheus reads.
+    /// All metrics as a text that Prometheus reads.
     pub(crate) fn text(&self) -> String {
         let mut text = String::new();
         // Writing to a string does not fail.

@@ -100,7 +100,7 @@ impl Datum {
         }
     }
 
-    /// It is above zero, and a step of it is a factor.
+    /// Whether it is above zero, and a step of it is a factor.
     pub(crate) fn is_factor(&self) -> bool {
         matches!(self, Self::Acceleration(_) | Self::Rapid(_) | Self::CornerDeviation)
     }
@@ -143,7 +143,7 @@ impl Datum {
     }
 }
 
-/// A row of a code that is this M number alone.
+/// Whether a row is a code with this M number alone.
 fn is_m(machine: &Machine, form: &CodeForm, number: u32) -> bool {
     let (register, min, max) = match form {
         CodeForm::Register { register, min, max } | CodeForm::RegisterAsData { register, min, max, .. } => {

@@ -29,12 +29,12 @@ pub(super) fn listed(asked: &str, is: impl Fn(&str) -> bool) -> (Vec<String>, Ve
     (rows, numbers)
 }
 
-/// The first cell of a row has alarms, not the name of a control.
+/// Whether the first cell of a row has alarms, not the name of a control.
 fn is_alarm(cell: &str) -> bool {
     cell.starts_with("PS") || cell.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// The text has the alarm as a word, or within a range (`10740 to 10747`).
+/// Whether the text has the alarm as a word, or within a range (`10740 to 10747`).
 fn names(text: &str, asked: &str, is: impl Fn(&str) -> bool) -> bool {
     let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let within = |range: &[&str]| {

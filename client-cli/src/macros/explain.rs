@@ -80,7 +80,7 @@ fn alarm(what: &str) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-/// A word names the alarm that is requested, in capitals.
+/// Whether a word names the alarm that is requested, in capitals.
 fn is_alarm((letters, number): (&str, u32), one: &str) -> bool {
     alarm_name(one).is_some_and(|(of, known)| {
         let same =

@@ -69,7 +69,7 @@ impl<T> CallStack<T> {
         self.called.last_mut().map(|called| &mut called.level)
     }
 
-    /// A part of a program runs.
+    /// Whether a part of a program runs.
     pub fn in_part(&self) -> bool {
         self.called.last().is_some_and(|called| called.part)
     }

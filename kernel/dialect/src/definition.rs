@@ -24,8 +24,8 @@ pub trait Dialect: Sync {
         &[]
     }
 
-    /// Where the lead of a thread and the feed per revolution have the same address, one is the modal value of the
-    /// other.
+    /// Whether the lead of a thread and the feed per revolution are the modal value of each other if they have the same
+    /// address.
     fn lead_is_feed(&self) -> bool {
         false
     }

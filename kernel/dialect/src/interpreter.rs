@@ -33,7 +33,7 @@ pub trait Interpreter: Send {
         Ok(None)
     }
 
-    /// The interpreter also processes plain words of the program that starts.
+    /// Whether the interpreter also processes plain words of the program that starts.
     fn watches(&self) -> bool {
         false
     }
@@ -80,7 +80,7 @@ pub trait Interpreter: Send {
     /// `$FCEPP`: a setting by its name, words joined by commas as in `PROCESS,SUBPROGRAMS`, with its values.
     fn setting(&mut self, host: &mut dyn Host, name: &str, values: &[Value]) -> Setting;
 
-    /// The line of the file is known as a statement: its text need not be split to find that out.
+    /// Whether the line of the file is known as a statement: its text need not be split to find that out.
     ///
     /// *Invariant:* the scanner takes the text of such a line for a statement, too.
     fn executes(&mut self, _: (FileId, u32)) -> bool {

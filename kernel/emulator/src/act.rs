@@ -92,17 +92,17 @@ impl Act<'_, '_> {
         }
     }
 
-    /// A value of `id` is in the block.
+    /// Whether a value of `id` is in the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
         self.kernel.block_has(id)
     }
 
-    /// A free word that can move an axis or shape an arc is in the block.
+    /// Whether a free word that can move an axis or shape an arc is in the block.
     pub(crate) fn has_motion_word(&self) -> bool {
         self.has_any(self.kernel.plan.registers.motion)
     }
 
-    /// A free word of an axis is in the block.
+    /// Whether a free word of an axis is in the block.
     pub(crate) fn has_axis_word(&self) -> bool {
         let axes = self.state.place.layout.axes.iter().fold(0, |bits, axis| bits | self.registers_of(axis.data));
         self.has_any(axes)
@@ -128,7 +128,7 @@ impl Act<'_, '_> {
         self.kernel.axis_diameter_factor(axis)
     }
 
-    /// The lead of a thread and the feed per revolution are one word that stays active.
+    /// Whether the lead of a thread and the feed per revolution are one word that stays active.
     pub(crate) fn lead_is_feed(&self) -> bool {
         self.kernel.plan.rules.lead_is_feed
     }
@@ -284,7 +284,7 @@ impl Act<'_, '_> {
         self.kernel.cycle_event(hole)
     }
 
-    /// A macro of the machine is running.
+    /// Whether a macro of the machine is running.
     pub(crate) fn is_inside_macro(&self) -> bool {
         !self.kernel.macros.calls.running.is_empty()
     }
@@ -402,7 +402,7 @@ impl Act<'_, '_> {
         self.kernel.end_alone(pair)
     }
 
-    /// The program of this channel alone has the code of synchronous control.
+    /// Whether the program of this channel alone has the code of synchronous control.
     pub(crate) fn couples_alone(&mut self) -> bool {
         self.kernel.couples_alone()
     }
@@ -412,7 +412,7 @@ impl Act<'_, '_> {
         self.kernel.end_coupling(pair)
     }
 
-    /// The alarm for a code that an axis to which moves are added cannot have, if one of these is such an axis.
+    /// The alarm for a code that is not allowed for an axis to which moves are added, if one of these is such an axis.
     pub(crate) fn added_to(&mut self, moved: u8, alarm: &str) -> Acted {
         self.kernel.added_to(moved, alarm)
     }

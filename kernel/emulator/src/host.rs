@@ -205,7 +205,7 @@ impl Kernel<'_> {
         Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
     }
 
-    /// The innermost running macro is one of those for which no block has been split into codes and data yet.
+    /// Whether the innermost running macro is one of those for which no block has been split into codes and data yet.
     fn before_block(&self) -> bool {
         let hooks = [
             Hook::Declaration,

@@ -132,7 +132,7 @@ fn rule(machine: &Machine, row: &WaitRow) -> Rule {
     }
 }
 
-/// The path need not stop at a wait.
+/// Whether the path need not stop at a wait.
 pub(crate) fn is_passed_in_motion(machine: &Machine, wait: &Wait) -> bool {
     let row = wait.rule.checked_sub(ROWS);
     row.and_then(|row| machine.sync.waits.get(usize::from(row))).is_some_and(|row| !row.stops)
@@ -183,7 +183,7 @@ pub(crate) fn is_on(machine: &Machine, code: &CodeRow) -> bool {
     machine.sync.dialect != model::SyncDialect::None || machine.sync.waits.iter().any(|row| row.is_of(&code.form))
 }
 
-/// A wait for a signal that no other channel can send.
+/// Whether this is a wait for a signal that no other channel can send.
 pub(crate) fn is_for_nobody(wait: &Wait, own: u16) -> bool {
     wait.primitive == Primitive::Signal && wait.parts.without(own).is_empty()
 }

@@ -157,7 +157,7 @@ impl Info {
         within.map_or(Cow::Borrowed(name), |section| Cow::Owned(format!("{name}#{}", section.name)))
     }
 
-    /// A file is stored with the machine.
+    /// Whether a file is stored with the machine.
     #[must_use]
     pub fn is_stored(&self, file: FileId) -> bool {
         self.files.get(usize::from(file)).is_some_and(|f| f.stored)

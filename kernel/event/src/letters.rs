@@ -25,7 +25,7 @@ impl Letters {
         })
     }
 
-    /// A letter is in the set.
+    /// Whether a letter is in the set.
     #[must_use]
     pub fn has(self, letter: char) -> bool {
         ALL.find(letter).is_some_and(|bit| self.0 & 1 << bit != 0)

@@ -43,7 +43,7 @@ pub struct PrepareError {
 /// Bytes of a text that are searched between two looks at whether the job is to end.
 const PIECE: usize = 1 << 20;
 
-/// A program of the job has embedded macro code, which needs no macro of the machine.
+/// Whether a program of the job has embedded macro code, which needs no macro of the machine.
 fn has_embedded(info: &Info, files: &dyn Files, stop: &Stop) -> bool {
     let has = |text: &[u8]| {
         // Piece by piece, with the byte after each: a mark has two.
@@ -153,7 +153,7 @@ impl Job {
         fitted.collect()
     }
 
-    /// One of its kernels runs macros, which need a large stack.
+    /// Whether one of its kernels runs macros, which need a large stack.
     pub(crate) fn has_macros(&self) -> bool {
         self.macros.is_some() || self.components.iter().any(Option::is_some)
     }

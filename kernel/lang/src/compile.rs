@@ -68,7 +68,7 @@ fn extend(program: &mut Program, environment: &mut dyn Environment, source: Arc<
     added
 }
 
-/// Compiles embedded macro code: an expression whose value is wanted, or statements.
+/// Compiles embedded macro code: an expression, or statements.
 pub fn embedded(program: &mut Program, environment: &mut dyn Environment, source: Source, options: Options) -> Added {
     match parse::expression(&source) {
         Some(_) => {
@@ -191,7 +191,7 @@ struct MacroCompiler<'a> {
     issues: bool,
 }
 
-/// A macro issues blocks or codes.
+/// Whether a macro issues blocks or codes.
 fn issues(one: &Macro) -> bool {
     let issue = |kind: &StatementKind| {
         matches!(kind, StatementKind::Output | StatementKind::Exec(..) | StatementKind::TapeWrite)

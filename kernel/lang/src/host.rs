@@ -91,7 +91,7 @@ pub trait Host: Variables + Blocks + Files + Dialog {
         Err(Fault::new(Number::NO_HOST, format!("{} needs a machine, and there is none here", function.name())))
     }
 
-    /// The run is to end; asked now and then while macros run.
+    /// Whether the run is to end; asked now and then while macros run.
     fn stopped(&self) -> bool {
         false
     }

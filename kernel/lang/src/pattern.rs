@@ -18,7 +18,7 @@ pub const STEPS: u64 = 2_000_000;
 pub const MAX_PROGRAM: usize = 20_000;
 /// Number of the first place that loops note; those before belong to the whole and nine groups.
 const FIRST_LOOP: usize = 20;
-/// Steps of a search that continue while nothing but characters is copied or compared.
+/// Characters per step of a search while characters are only copied or compared.
 const BYTES_PER_STEP: usize = 16;
 
 /// A set of characters.

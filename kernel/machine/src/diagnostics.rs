@@ -19,7 +19,7 @@ fn severity_of(rule: Option<&DiagnosticRule>, severity: u8) -> u8 {
 }
 
 impl Diagnostics {
-    /// Nothing is changed.
+    /// Whether nothing is changed.
     #[must_use]
     pub fn is_plain(&self) -> bool {
         self.rules.is_empty() && self.min_severity == 0
@@ -38,7 +38,7 @@ impl Diagnostics {
         self.rule(number)?.stops
     }
 
-    /// The machine says that a number is an alarm of its control.
+    /// Whether the machine says that a number is an alarm of its control.
     #[must_use]
     pub fn is_alarm(&self, number: u32) -> bool {
         self.rule(number).is_some_and(|rule| rule.alarm)
@@ -77,13 +77,13 @@ impl Diagnostics {
 }
 
 impl Machine {
-    /// A diagnostic is an alarm of real controls, or of the control of this machine.
+    /// Whether a diagnostic is an alarm of real controls, or of the control of this machine.
     #[must_use]
     pub fn is_alarm(&self, facts: &Facts) -> bool {
         facts.alarm || self.diagnostics.is_alarm(facts.number)
     }
 
-    /// The channel stops at a diagnostic.
+    /// Whether the channel stops at a diagnostic.
     #[must_use]
     pub fn stops_at(&self, facts: &Facts) -> bool {
         self.diagnostics.stops(facts.number).unwrap_or_else(|| self.habits.stops && self.is_alarm(facts))

@@ -250,7 +250,7 @@ impl<I, T> Table<I, T> {
         self.entries.len()
     }
 
-    /// There is no entry.
+    /// Whether there is no entry.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()

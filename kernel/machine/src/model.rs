@@ -200,14 +200,14 @@ pub struct Format {
 }
 
 impl Format {
-    /// A line is a rewind-stop.
+    /// Whether a line is a rewind-stop.
     #[must_use]
     pub fn is_rewind_stop(&self, line: &[u8]) -> bool {
         is_rewind_stop(self.rws.as_bytes(), self.rws_inline, line)
     }
 }
 
-/// A line has nothing but the rewind-stop or, where text may be beside it, begins with it.
+/// Whether a line has nothing but the rewind-stop or, where text may be beside it, begins with it.
 #[must_use]
 pub fn is_rewind_stop(rws: &[u8], inline: bool, line: &[u8]) -> bool {
     let line = line.trim_ascii();
@@ -272,7 +272,7 @@ pub struct Positioning {
     pub one_way: f64,
 }
 
-/// An axis as codes see it that couple axes of channels (Fanuc G51.4, G51.5, G51.6).
+/// An axis in codes that couple axes of channels (Fanuc G51.4, G51.5, G51.6).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AxisCoupling {
     /// Number by which programs name it (Fanuc parameter 12600); none: it cannot be coupled.

@@ -159,7 +159,7 @@ pub struct CodeRow {
 }
 
 impl CodeRow {
-    /// The other row has the same code, written alike, and not by other registers along another axis.
+    /// Whether the other row has the same code, written alike, and not by other registers along another axis.
     pub(crate) fn is_twin_of(&self, other: &Self) -> bool {
         self.id == other.id && self.form == other.form && self.choice() == other.choice()
     }

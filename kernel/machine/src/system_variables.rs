@@ -72,7 +72,7 @@ pub enum Frame {
     BlockEnd,
     /// The machine.
     Machine,
-    /// Where the machine is, in the work frame without the tool.
+    /// Position of the machine, in the work frame without the tool.
     Work,
     /// End of the last probing move, likewise.
     Skip,

@@ -108,7 +108,7 @@ struct Ramp {
 }
 
 impl LookAhead {
-    /// A path at standstill, looking so many moves ahead.
+    /// A path at standstill that looks this many moves ahead.
     #[must_use]
     pub fn new(depth: usize) -> Self {
         Self { depth: depth.max(1), pieces: VecDeque::with_capacity(depth + 2), entry: 0.0, ramp: None }
@@ -120,7 +120,7 @@ impl LookAhead {
         self.pieces.len()
     }
 
-    /// All times are known.
+    /// Whether all times are known.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty()

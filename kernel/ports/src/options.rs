@@ -63,7 +63,7 @@ pub enum TimeModel {
 }
 
 impl TimeModel {
-    /// It is the usual one.
+    /// Whether it is the usual one.
     #[must_use]
     pub fn is_full(&self) -> bool {
         *self == Self::Full

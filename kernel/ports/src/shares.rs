@@ -26,7 +26,8 @@ impl Shares {
         Self { common, macros: each - each / 3, rest: each / 3 }
     }
 
-    /// The shares of a job on a machine with so many channels: several of them have a master, which runs macros, too.
+    /// The shares of a job on a machine with this many channels: several channels have a master, which also runs
+    /// macros.
     #[must_use]
     pub fn of_channels(limits: &Limits, channels: usize) -> Self {
         Self::of(limits, channels + usize::from(channels > 1))

@@ -43,7 +43,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// The job runs on by it, so that the answer is the next stop.
+    /// Whether the job runs on by it, so that the answer is the next stop.
     #[must_use]
     pub fn runs(&self) -> bool {
         matches!(self, Self::Step { .. } | Self::Continue)
@@ -196,7 +196,7 @@ pub trait Stepper: Sync {
     /// the last time.
     fn stands(&self, place: &Seen, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool;
 
-    /// Something within a block may stop the run.
+    /// Whether something within a block may stop the run.
     fn listens(&self) -> bool;
 
     /// A kernel has come to something within its block; `true`: the run stops here.

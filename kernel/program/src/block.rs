@@ -265,17 +265,17 @@ impl Block {
         self.words.get(usize::from(*slot)).copied()
     }
 
-    /// A free data word of this register is in the block.
+    /// Whether a free data word of this register is in the block.
     pub fn has(&self, register: RegisterId) -> bool {
         self.present & register.bit() != 0
     }
 
-    /// A word that nothing has taken is in the block.
+    /// Whether a word that nothing has taken is in the block.
     pub fn has_leftovers(&self) -> bool {
         self.present != 0 || self.doubled
     }
 
-    /// Something about the text of the block is worth a message.
+    /// Whether something about the text of the block is worth a message.
     pub fn has_remarks(&self) -> bool {
         self.flags.irregular != 0 || !self.unrecognised.is_empty()
     }

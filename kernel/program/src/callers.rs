@@ -35,7 +35,7 @@ pub(super) struct Called {
 }
 
 impl Called {
-    /// It calls the program that begins in this line.
+    /// Whether it calls the program that begins in this line.
     pub(super) fn has(&self, source: &Source, range: Range) -> bool {
         match (range.number, source.name_at(range.first)) {
             (Some(number), _) => self.numbers.contains(&number),
@@ -79,7 +79,7 @@ impl Callers {
         Self { words, ends, end_texts, numbers, named: syntax.named_programs }
     }
 
-    /// A line of a range ends a program or returns.
+    /// Whether a line of a range ends a program or returns.
     pub fn ends_in(&self, source: &Source, range: Range) -> bool {
         source.walk(range.first, range.last).any(|line| {
             let text = source.words(line);
@@ -118,7 +118,7 @@ impl Callers {
         }
     }
 
-    /// The program says itself that it is a subprogram.
+    /// Whether the program says itself that it is a subprogram.
     pub(super) fn returns(&self, source: &Source, range: Range) -> bool {
         self.named
             .is_some_and(|names| source.walk(range.first, range.last).any(|line| (names.returns)(source.line(line))))
@@ -130,7 +130,7 @@ impl Callers {
         source.walk(range.first, range.last).find_map(|line| named(source.line(line)))
     }
 
-    /// A word by itself calls this program.
+    /// Whether a word by itself calls this program.
     pub(super) fn by_word(&self, range: Range) -> bool {
         let within = |number: u32| self.numbers.iter().any(|(first, last)| (first..=last).contains(&&number));
         range.number.is_some_and(within)

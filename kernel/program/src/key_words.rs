@@ -85,7 +85,7 @@ pub fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
     !before.is_some_and(u8::is_ascii_alphabetic) && opens_key_word(names, line, at)
 }
 
-/// The letters at a place, two or more, are a keyword or open one.
+/// Whether the letters at a place, two or more, are a keyword or open one.
 fn opens_key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
     let rest = line.get(at..).unwrap_or_default();
     let length = rest.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();

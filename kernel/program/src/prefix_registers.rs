@@ -45,18 +45,18 @@ fn first_of_value(line: &[u8], at: usize) -> Option<u8> {
     line.get(at..)?.iter().copied().find(|byte| !b" \t+-".contains(byte))
 }
 
-/// A number, a variable or a bracket is at a place, with or without a sign.
+/// Whether a number, a variable or a bracket is at a place, with or without a sign.
 pub fn starts_value(line: &[u8], at: usize) -> bool {
     matches!(first_of_value(line, at), Some(b'0'..=b'9' | b'.' | b'#' | b'['))
 }
 
-/// A variable or a bracket is at a place, with or without a sign.
+/// Whether a variable or a bracket is at a place, with or without a sign.
 pub fn starts_expression(line: &[u8], at: usize) -> bool {
     matches!(first_of_value(line, at), Some(b'#' | b'['))
 }
 
 impl PrefixRegister {
-    /// The text before the number is at a place, with something after it that may have a value.
+    /// Whether the text before the number is at a place, with something after it that may have a value.
     pub fn has_value(&self, line: &[u8], at: usize) -> bool {
         line.get(at..).is_some_and(|rest| rest.starts_with(&self.before)) && starts_value(line, at + self.before.len())
     }
@@ -137,7 +137,7 @@ impl LiteralFirst {
         self.registers.of(byte).iter().chain(&self.bare)
     }
 
-    /// A special register with a variable or an expression in place of its number is at a place.
+    /// Whether a special register with a variable or an expression in place of its number is at a place.
     pub fn opens_statement(&self, line: &[u8], at: usize) -> bool {
         let Some(&byte) = line.get(at) else { return false };
         self.registers(byte)
@@ -152,7 +152,7 @@ impl LiteralFirst {
         Some((*number, from + length + prefix.after.len()))
     }
 
-    /// One of them may begin with this byte.
+    /// Whether one of them may begin with this byte.
     #[inline(always)]
     pub fn may_start(&self, byte: u8) -> bool {
         self.first.get(usize::from(byte >> 6)).is_some_and(|bits| bits >> (byte & 63) & 1 != 0)
@@ -164,7 +164,7 @@ fn looks_like_word(text: &[u8]) -> bool {
     matches!(text, [letter, next, ..] if letter.is_ascii_alphabetic() && !next.is_ascii_alphabetic())
 }
 
-/// A literal text is at a place: one that ends in a digit is not the beginning of a longer number.
+/// Whether a literal text is at a place: one that ends in a digit is not the beginning of a longer number.
 pub fn stands(text: &[u8], line: &[u8], at: usize) -> bool {
     let Some(rest) = line.get(at..).and_then(|rest| rest.strip_prefix(text)) else { return false };
     let digit_ends = text.last().is_some_and(u8::is_ascii_digit);

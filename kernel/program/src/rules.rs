@@ -13,12 +13,12 @@ impl Rules {
         }
     }
 
-    /// A rule is on.
+    /// Whether a rule is on.
     pub fn has(&self, rule: usize) -> bool {
         self.0.get(rule / 64).is_some_and(|bits| bits & 1 << (rule % 64) != 0)
     }
 
-    /// No rule is in both.
+    /// Whether no rule is in both.
     #[inline]
     pub(super) fn is_apart(&self, from: &Self) -> bool {
         self.0.iter().zip(&from.0).fold(0, |both, (one, other)| both | one & other) == 0

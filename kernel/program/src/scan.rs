@@ -108,7 +108,7 @@ impl Scanner {
         self.syntax
     }
 
-    /// The machine has a pre-processor.
+    /// Whether the machine has a pre-processor.
     pub fn has_preprocessor(&self) -> bool {
         self.syntax.has_preprocessor()
     }
@@ -119,12 +119,13 @@ impl Scanner {
         self.syntax.key_words.is_some()
     }
 
-    /// The levels of optional skip that are on include this one; `None` is the one that a mark without number means.
+    /// Whether the levels of optional skip that are on include this one; `None` is the one that a mark without number
+    /// means.
     pub fn skips(&self, level: Option<u8>) -> bool {
         self.levels & 1 << level.unwrap_or(self.opskip_default).min(15) != 0
     }
 
-    /// The machine has operator messages.
+    /// Whether the machine has operator messages.
     pub fn has_messages(&self) -> bool {
         self.message.is_some()
     }
@@ -301,14 +302,14 @@ impl Scanner {
         None
     }
 
-    /// A letter, `#` or `[` where a number was expected, or keywords: text for the pre-processor.
+    /// Whether there is a letter, `#` or `[` where a number was expected, or keywords: text for the pre-processor.
     fn opens_statement(&self, line: &[u8], at: usize) -> bool {
         prefix_registers::starts_expression(line, at + 1)
             || key_word(self.names(), line, at)
             || self.formulas.bare_sums && self.opens_sum(line, at + 1)
     }
 
-    /// A number at this place of the line, after blanks, is the first of a sum or product.
+    /// Whether a number at this place of the line, after blanks, is the first of a sum or product.
     #[cold]
     fn opens_sum(&self, line: &[u8], at: usize) -> bool {
         let blanks = line.iter().skip(at).take_while(|byte| matches!(byte, b' ' | b'\t')).count();
@@ -365,7 +366,7 @@ impl Scanner {
     }
 }
 
-/// A number that ends here has another one added, taken away or multiplied.
+/// Whether a number that ends here has another one added, taken away or multiplied.
 fn goes_on_as_sum(line: &[u8], end: usize) -> bool {
     matches!(line.get(end), Some(b'+' | b'-' | b'*'))
         && line.get(end + 1).is_some_and(|next| next.is_ascii_digit() || *next == b'.')

@@ -52,7 +52,7 @@ fn views(source: &Source, sections: &[Section]) -> Vec<(u16, Arc<Source>)> {
     channels.into_iter().map(view).collect()
 }
 
-/// The last stretch of a program for all heads belongs to another channel and has the end code of the program.
+/// Whether the last stretch of a program for all heads belongs to another channel and has the end code of the program.
 #[must_use]
 pub fn ends_for_all(machine: &Machine, source: &Source, channel: u16) -> bool {
     let heads = machine.habits.programs == FileLayout::Heads;

@@ -80,12 +80,12 @@ impl Shape {
         spot::starts(line, self.eob, self.remarks.iter())
     }
 
-    /// A line is a rewind-stop.
+    /// Whether a line is a rewind-stop.
     pub(super) fn is_stop(&self, line: &[u8]) -> bool {
         is_rewind_stop(&self.rws, self.rws_inline, line)
     }
 
-    /// Something is in a line besides blanks, comments and a rewind-stop.
+    /// Whether something is in a line besides blanks, comments and a rewind-stop.
     pub(super) fn has_text(&self, line: &[u8]) -> bool {
         let blank = |byte: &u8| byte.is_ascii_whitespace() || Some(*byte) == self.eob;
         let header = self.syntax.named_programs.is_some_and(|names| (names.is_header)(line));

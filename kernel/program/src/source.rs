@@ -148,12 +148,12 @@ impl Source {
         self.shape.name(self.line(line))
     }
 
-    /// A line is a rewind-stop.
+    /// Whether a line is a rewind-stop.
     pub(super) fn is_stop(&self, line: u32) -> bool {
         self.shape.is_stop(self.line(line))
     }
 
-    /// A line defines a program.
+    /// Whether a line defines a program.
     pub(super) fn defines(&self, line: u32) -> bool {
         let text = self.line(line);
         self.shape.number(text).is_some() || self.shape.name(text).is_some()
@@ -164,7 +164,7 @@ impl Source {
         self.shape.words(self.line(line))
     }
 
-    /// Something is in a line besides blanks, comments and a rewind-stop.
+    /// Whether something is in a line besides blanks, comments and a rewind-stop.
     pub fn has_text(&self, line: u32) -> bool {
         self.shape.has_text(self.line(line))
     }
@@ -182,8 +182,8 @@ impl Source {
         range.number.is_none() && self.name_at(range.first).is_none()
     }
 
-    /// The file has a word at which systems line up with this label, on a machine with these systems (bit `n − 1` for
-    /// `n`).
+    /// Whether the file has a word at which systems line up with this label, on a machine with these systems (bit `n −
+    /// 1` for `n`).
     pub fn lines_up(&self, mark: u8, label: u32, all: u32) -> bool {
         let labels = self.labels.get_or_init(|| {
             let mut found = Vec::new();

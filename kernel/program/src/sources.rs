@@ -92,7 +92,7 @@ impl<'a> SeenSources<'a> {
         self.slot(file)?.as_ref()
     }
 
-    /// An attempt was made to load a file.
+    /// Whether an attempt was made to load a file.
     #[must_use]
     pub fn is_known(self, file: FileId) -> bool {
         self.slot(file).is_some()

@@ -58,7 +58,7 @@ pub static PLAIN: Syntax = Syntax {
 };
 
 impl Syntax {
-    /// There is something besides plain words.
+    /// Whether there is something besides plain words.
     #[must_use]
     pub fn has_preprocessor(&self) -> bool {
         self.key_words.is_some() || self.needs_interpreter.is_some()

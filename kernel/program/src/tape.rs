@@ -141,7 +141,7 @@ impl Tape {
         Candidates { rules, unsure: false }
     }
 
-    /// No rule that is on can match anywhere in the file: the text that it needs does not come up.
+    /// Whether no rule that is on can match anywhere in the file: the text that it needs does not come up.
     #[inline]
     pub fn leaves_alone(&self, source: &Source, on: &Rules) -> bool {
         if source.text().bytes().len() > LONGEST_FILE {

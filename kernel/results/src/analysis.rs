@@ -71,7 +71,7 @@ struct Passed<'a> {
 }
 
 impl Passed<'_> {
-    /// All channels are needed, so none continues before the last arrival.
+    /// Whether all channels are needed, so none continues before the last arrival.
     fn is_mutual(&self) -> bool {
         matches!(self.point.kind, Primitive::Barrier | Primitive::Count)
     }
@@ -92,7 +92,7 @@ fn course(courses: &mut [Course], channel: u16) -> Option<&mut Course> {
 }
 
 impl Analysis {
-    /// From the ends of the channels (number, ns) and the sync points of a job; races are not in these.
+    /// From the ends of the channels (number, ns) and the sync points of a job; these do not include races.
     #[must_use]
     pub fn of(ends: &[(u16, i64)], waits: &[SyncPoint]) -> Self {
         Self {

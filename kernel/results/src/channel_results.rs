@@ -61,7 +61,7 @@ impl ChannelResults {
         }
     }
 
-    /// The end of the channel's program has been seen.
+    /// Whether the end of the channel's program has been seen.
     pub fn ended(&self) -> bool {
         self.tally.ended()
     }

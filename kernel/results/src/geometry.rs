@@ -109,7 +109,7 @@ impl Spatial {
         self.axes.iter().position(|of| of.is_some_and(|(at, _)| at == axis))
     }
 
-    /// The axis is one of them.
+    /// Whether the axis is one of them.
     pub fn has(&self, axis: usize) -> bool {
         self.coordinate(axis).is_some()
     }

@@ -111,7 +111,7 @@ struct Met {
 }
 
 impl Met {
-    /// A channel that waits takes part, but has not continued.
+    /// Whether a channel that waits takes part, but has not continued.
     fn misses(&self, channel: u16, stay: &Stay) -> bool {
         let wait = &stay.wait;
         self.stays.first().is_some_and(|(_, first)| {

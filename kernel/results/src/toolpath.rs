@@ -170,7 +170,7 @@ pub struct Track {
     tool: u32,
     /// Where the last motion ended.
     end: Option<Position>,
-    /// The program counts in inches now, if it has said so.
+    /// The program counts in inches now, if it has selected a unit.
     inch: Option<bool>,
     /// The same at the first cutting move, once there was one.
     cut_in_inch: Option<Option<bool>>,

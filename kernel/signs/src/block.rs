@@ -33,7 +33,7 @@ impl Block {
         Self { line, words, remark, ends, letters }
     }
 
-    /// Some word has one of these letters.
+    /// Whether some word has one of these letters.
     pub(crate) fn has_letters(&self, letters: u32) -> bool {
         self.letters & letters != 0
     }
@@ -71,7 +71,7 @@ fn plain(raw: &str) -> (String, bool) {
     (out, false)
 }
 
-/// A text ends with the name of a function or cycle: two letters or more, then letters and digits.
+/// Whether a text ends with the name of a function or cycle: two letters or more, then letters and digits.
 fn ends_with_name(text: &str) -> bool {
     let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let name = text.get(text.trim_end_matches(part).len()..).unwrap_or_default().trim_start_matches('_');

@@ -29,7 +29,7 @@ pub(crate) struct Control<'c> {
 }
 
 impl Control<'_> {
-    /// The programs show that they are for this control and no other.
+    /// Whether the programs show that they are for this control and no other.
     pub(crate) fn is_marked(&self) -> bool {
         !self.plain && !self.shown.is_empty()
     }

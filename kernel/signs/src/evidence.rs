@@ -171,7 +171,7 @@ impl Evidence {
     }
 }
 
-/// A program of that number is defined in a file.
+/// Whether a program of that number is defined in a file.
 #[must_use]
 pub fn has_program(content: &Bytes, number: u32) -> bool {
     let text = Text::new(content.clone(), || false);

@@ -83,7 +83,7 @@ impl<'c> Machine<'c> {
         self.traits.iter().any(|(own, _)| *own == name)
     }
 
-    /// The signs of all its traits show.
+    /// Whether the signs of all its traits show.
     fn is_proven(&self) -> bool {
         self.traits.iter().all(|(_, shown)| !shown.is_empty())
     }
@@ -144,7 +144,7 @@ impl<'c> Judge<'c> {
         definitions.max(self.evidence.mains).max(1)
     }
 
-    /// A wait that the programs show is a mark of the control, too.
+    /// Whether a wait that the programs show is a mark of the control, too.
     fn are_waits_marks(&self) -> bool {
         let is_mark = |wait: &Shown<'_>| self.control.shown.iter().any(|mark| mark.pattern == wait.pattern);
         self.machines.iter().flat_map(|machine| &machine.waits).any(is_mark)

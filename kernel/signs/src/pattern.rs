@@ -105,7 +105,7 @@ impl Pattern {
         &self.text
     }
 
-    /// It is a range of M codes and nothing else.
+    /// Whether it is a range of M codes and nothing else.
     pub(crate) fn is_m_codes(&self) -> bool {
         let m = |part: &Part| matches!(part, Part::Words(words) if words.letters == bit(b'M') && words.with.len() == 1);
         self.parts.iter().all(m) && self.nowhere.is_empty()
@@ -163,7 +163,7 @@ impl Alternatives {
         block.words.iter().find(|(letter, value)| self.0.iter().any(|(l, v)| l == letter && v.is(value)))
     }
 
-    /// A block has such a word.
+    /// Whether a block has such a word.
     pub(crate) fn is_in(&self, block: &Block) -> bool {
         block.has_letters(self.0.iter().fold(0, |bits, (l, _)| bits | bit(*l))) && self.of(block).is_some()
     }
@@ -248,7 +248,7 @@ fn named(form: &str, line: &str) -> String {
     }
 }
 
-/// A text is of a form with `*` for any text and `#` for a digit.
+/// Whether a text is of a form with `*` for any text and `#` for a digit.
 fn is_like(form: &[u8], text: &[u8]) -> bool {
     match (form, text) {
         ([], []) => true,
@@ -260,7 +260,7 @@ fn is_like(form: &[u8], text: &[u8]) -> bool {
     }
 }
 
-/// A line has a name or text that is not a part of a longer name.
+/// Whether a line has a name or text that is not a part of a longer name.
 fn has(line: &str, name: &str) -> bool {
     let part = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
     let (bytes, ends) = (line.as_bytes(), name.bytes().next_back().is_some_and(part));

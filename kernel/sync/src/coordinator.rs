@@ -171,7 +171,7 @@ impl Coordinator {
         self.single.load(Relaxed)
     }
 
-    /// All kernels run on the thread of the master, each until it has to wait.
+    /// Whether all kernels run on the thread of the master, each until it has to wait.
     pub fn on_one_thread(&self) -> bool {
         self.one_thread
     }
@@ -244,7 +244,7 @@ impl Coordinator {
         self.slot(channel).map_or(i64::MAX, |slot| slot.bound.load(SeqCst))
     }
 
-    /// No other kernel that has something to do is further behind than this one at its clock.
+    /// Whether no other kernel that has something to do is further behind than this one at its clock.
     pub fn is_furthest_behind(&self, channel: u16, clock: i64) -> bool {
         let others = self.channels.numbers().iter().zip(&self.slots).filter(|(other, _)| **other != channel);
         others.map(|(other, slot)| (slot.bound.load(SeqCst), *other)).all(|other| other > (clock, channel))

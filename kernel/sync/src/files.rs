@@ -46,7 +46,7 @@ impl Written {
         self.files.clone().into_iter().chain(printed).collect()
     }
 
-    /// A file lies in this folder.
+    /// Whether a file lies in this folder.
     pub fn has_folder(&self, folder: &str) -> bool {
         let inside = |path: &str| path.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'));
         self.files.iter().any(|(path, text)| text.is_some() && inside(path))

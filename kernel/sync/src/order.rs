@@ -234,7 +234,7 @@ impl Order {
         self.effects.push(Effect::Bound(tag.channel, bound));
     }
 
-    /// Nothing has been decided that is not executed yet.
+    /// Whether nothing has been decided that is not executed yet.
     pub fn has_effects(&self) -> bool {
         !self.effects.is_empty()
     }
@@ -282,7 +282,7 @@ impl Order {
         None
     }
 
-    /// No other kernel can act before this tag.
+    /// Whether no other kernel can act before this tag.
     fn is_next(&self, tag: Tag) -> bool {
         self.seats.iter().zip(self.channels.numbers()).all(|(seat, channel)| {
             *channel == tag.channel
@@ -301,7 +301,7 @@ impl Order {
         seats.filter(move |(_, (seat, channel))| **channel != tag.channel && earlier(seat)).map(|(index, _)| index)
     }
 
-    /// The kernel executes blocks, has no turn, and no answer waits for it.
+    /// Whether the kernel executes blocks, has no turn, and no answer waits for it.
     pub fn is_free(&self, channel: u16) -> bool {
         let seat = self.seats.get(self.channels.index(channel));
         self.acting != Some(channel) && seat.is_some_and(|seat| seat.status == Status::Running && seat.wake.is_none())

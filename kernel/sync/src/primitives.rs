@@ -30,7 +30,7 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// The channel is absent, and the control counts that as an arrival.
+    /// Whether the channel is absent, and the control counts that as an arrival.
     fn is_excused(self, channel: u16, wait: &Wait) -> bool {
         self.places.is_absent(channel) && self.rules.counts_absent(wait)
     }
@@ -98,7 +98,7 @@ impl Memory {
         }
     }
 
-    /// Lets a channel continue, which uses up its resources.
+    /// Lets a channel continue and use up its resources.
     pub(crate) fn depart(&mut self, channel: u16, wait: &Wait, rules: &Rules) {
         match wait.primitive {
             Primitive::Flag => self.flags.clear(channel, wait.key),

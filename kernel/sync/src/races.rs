@@ -147,7 +147,7 @@ impl Races {
         if let Some(at) = self.waits.get_mut(self.channels.index(channel)) {
             *at = Some(*wait);
         }
-        // Who waits for signals, ends or leases does nothing for others by that.
+        // A channel that waits for signals, ends or leases has no effect on others by that.
         let tells =
             matches!(wait.primitive, Primitive::Barrier | Primitive::Flag | Primitive::Order | Primitive::Count);
         if tells && !self.is_idle() {

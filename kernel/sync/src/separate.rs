@@ -22,7 +22,7 @@ pub struct Uses {
 }
 
 impl Uses {
-    /// Nothing has been used.
+    /// Whether nothing has been used.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.vacant.is_empty() && self.written.is_empty()

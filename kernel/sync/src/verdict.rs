@@ -85,7 +85,7 @@ fn kind(dead: Set, waits: &Waits) -> VerdictKind {
     }
 }
 
-/// A channel is at the mark of one that it waits for, but they wait there for different channels.
+/// Whether a channel is at the mark of one that it waits for, but they wait there for different channels.
 fn is_mismatch(channel: u16, among: Set, waits: &Waits) -> bool {
     let Some(own) = waits.places.at(channel).filter(|own| own.wait.primitive == Primitive::Barrier) else {
         return false;

@@ -246,7 +246,7 @@ impl Rules {
         self.of(wait).is_some_and(|rule| rule.absent == Absent::Counts)
     }
 
-    /// A channel may send the signal of this wait to itself.
+    /// Whether a channel may send the signal of this wait to itself.
     pub(crate) fn is_to_itself(&self, wait: &Wait) -> bool {
         self.of(wait).is_some_and(|rule| rule.signals.to_itself)
     }
@@ -373,7 +373,7 @@ impl Missing {
         Self { channels, need: 1 }
     }
 
-    /// No channel is missing.
+    /// Whether no channel is missing.
     #[must_use]
     pub fn is_none(self) -> bool {
         self.need == 0
@@ -417,12 +417,12 @@ impl Places {
         self.finished.get(self.channels.index(channel)).copied().flatten()
     }
 
-    /// The channel ended, or never ran: it brings nothing about any more and no alarm holds it.
+    /// Whether the channel ended, or never ran: it brings nothing about any more and no alarm holds it.
     pub fn is_absent(&self, channel: u16) -> bool {
         self.end(channel).is_some_and(|end| matches!(end.how, Terminal::Ended | Terminal::NeverStarted))
     }
 
-    /// The channel executes blocks.
+    /// Whether the channel executes blocks.
     pub fn runs(&self, channel: u16) -> bool {
         let index = self.channels.index(channel);
         matches!((self.waiting.get(index), self.finished.get(index)), (Some(None), Some(None)))

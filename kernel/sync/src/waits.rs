@@ -114,8 +114,8 @@ impl Waits {
         }
     }
 
-    /// Another wait at this mark was for other channels, and the control pairs them: the result depends on the order of
-    /// arrival. Only known where blocks take no time.
+    /// Whether another wait at this mark was for other channels, and the control pairs them: the result depends on the
+    /// order of arrival. Only known where blocks take no time.
     pub fn lists_differ(&mut self, wait: &Wait) -> bool {
         let refused = |rule: &Rule| rule.mismatch.is_some_and(|mismatch| mismatch.reaction == Reaction::Alarm);
         if !self.timeless || self.rules.of(wait).is_some_and(refused) {
@@ -167,7 +167,7 @@ impl Waits {
         self.can_come(missing).then(|| self.stand(arriving, Some(missing)))
     }
 
-    /// A waiting channel whose missing partners can still come by themselves: no need to look further.
+    /// Whether the missing partners of a waiting channel can still come by themselves: no need to look further.
     pub fn hopeful(&self, channel: u16) -> bool {
         self.can_come(self.missing(channel))
     }
@@ -306,7 +306,7 @@ impl Waits {
         Released { channels, t, micro, by: tag.channel, short }
     }
 
-    /// A partner of the count that a channel waits for has ended.
+    /// Whether a partner of the count that a channel waits for has ended.
     fn is_short(&self, channel: u16) -> bool {
         let count = self.places.at(channel).map(|own| own.wait).filter(|wait| wait.primitive == Primitive::Count);
         let ended = |partner| self.places.end(partner).is_some_and(|end| end.how == Terminal::Ended);
@@ -335,7 +335,7 @@ impl Waits {
     }
 }
 
-/// Channels at both continue as one sync point.
+/// Whether channels at both continue as one sync point.
 fn is_one_point(one: &Wait, other: &Wait) -> bool {
     one.primitive == other.primitive
         && one.key == other.key

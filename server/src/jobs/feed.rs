@@ -26,7 +26,7 @@ pub(crate) struct Change {
     pub(crate) removed: Option<Arc<Removed>>,
 }
 
-/// The rest of a job that was removed.
+/// The remains of a removed job.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Removed {
     pub(crate) machine: String,

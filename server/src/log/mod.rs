@@ -40,7 +40,7 @@ pub(crate) trait Logs: Send + Sync + Debug {
     /// Same for one that can be made again: a loss of power may take it.
     fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()>;
 
-    /// A stored result. One that is damaged and can be made again is not there.
+    /// A stored result. A damaged result that can be made again counts as missing.
     fn open(&self, id: &str, name: &str) -> io::Result<Box<dyn io::Read + Send>>;
 
     /// Makes durable that log and results of a job are there.

@@ -42,7 +42,7 @@ pub(crate) struct Part {
     pub(crate) truth: bool,
 }
 
-/// The expressions of a dialect: its words, and where they are read from.
+/// The expressions of a dialect: its words, and their source.
 pub(crate) trait Grammar {
     type Value: Clone;
     type Own;

@@ -170,7 +170,7 @@ impl Parser<'_> {
     }
 }
 
-/// The words of a macro call, which is a macro statement.
+/// Whether the words are a macro call, which is a macro statement.
 fn calls_macro(words: &[TemplateWord]) -> bool {
     words.iter().any(|word| {
         word.name == Name::Letter(b'G')

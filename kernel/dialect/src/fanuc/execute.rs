@@ -226,7 +226,7 @@ fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Made, Abandon
     Ok(Made::Words)
 }
 
-/// A line that may hold a bracketing statement.
+/// Whether a line may hold a bracketing statement.
 fn has_bracketing(text: &[u8]) -> bool {
     text.windows(2).any(|pair| match pair {
         [a, b] => {

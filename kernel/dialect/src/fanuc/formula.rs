@@ -259,7 +259,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// A function begins here that the control has.
+    /// Whether a function begins here that the control has.
     pub(super) fn stands_function(&mut self) -> bool {
         let letters = self.letters();
         let mut names = NAMED.iter().map(|(name, _)| name).chain(FUNCTIONS.iter().map(|(name, _)| name));

@@ -11,7 +11,7 @@ use counterpoint_program::prefix_registers::{stands, starts_value};
 use counterpoint_program::shape::program_name;
 
 impl Parser<'_> {
-    /// A special register with a value, or a text that looks like a word, begins here.
+    /// Whether a special register with a value, or a text that looks like a word, begins here.
     pub(super) fn stands_long_name(&self) -> bool {
         self.names.literal_first.is_some_and(|first| {
             first.text(self.text, self.at).is_some() || first.registers_at(self.text, self.at).next().is_some()

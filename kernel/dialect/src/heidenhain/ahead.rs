@@ -214,8 +214,8 @@ fn g_number(word: &Word) -> Option<f64> {
     }
 }
 
-/// A block between a line and its corner that neither moves nor calls. It sets a speed, a feed or the radius of a soft
-/// approach or departure, or has switching M functions, or motion words and G90 and G91 without a position.
+/// Whether a block between a line and its corner neither moves nor calls. It sets a speed, a feed or the radius of a
+/// soft approach or departure, or has switching M functions, or motion words and G90 and G91 without a position.
 fn is_still(words: &[Word]) -> bool {
     let soft = words.iter().any(|word| matches!(g_number(word), Some(26.0 | 27.0)));
     let soft = soft && words.iter().all(|word| matches!(&*word.name, "G" | "R"));

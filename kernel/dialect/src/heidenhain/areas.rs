@@ -32,7 +32,7 @@ pub(super) enum Area {
 }
 
 impl Area {
-    /// A spot lies in it that is held by these contours.
+    /// Whether a spot lies in it that is held by these contours.
     fn holds(&self, held: &[bool]) -> bool {
         match self {
             Self::Contour(at) => held.get(*at).copied().unwrap_or(false),

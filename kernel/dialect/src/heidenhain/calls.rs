@@ -65,7 +65,7 @@ impl Way {
         Self { feed, rapid: text("FMAX"), line, off: text("R0") }
     }
 
-    /// The call has a feed of its own.
+    /// Whether the call has a feed of its own.
     pub(super) fn has_feed(&self) -> bool {
         self.feed.is_some()
     }

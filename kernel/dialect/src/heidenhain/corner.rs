@@ -13,7 +13,7 @@ use counterpoint_motion::contour::element::Element;
 use crate::contour::{self, Approach, Departure, PathShape, Point, Polar, Side, direction, minus};
 
 impl Walk<'_> {
-    /// The next block is a corner.
+    /// Whether the next block is a corner.
     pub(super) fn corner_follows(&self) -> bool {
         self.ahead.first().is_some_and(|first| match first.shape {
             Shape::Chamfer | Shape::Round => true,
@@ -90,7 +90,7 @@ impl Walk<'_> {
         })
     }
 
-    /// A block without a motion word goes straight on.
+    /// Whether a block without a motion word goes straight on.
     fn is_straight_mode(&self, seen: &[Seen]) -> bool {
         let own = seen.iter().any(|word| word.is("G") && word.value.is_some_and(|value| value < 2.0));
         own || matches!(self.path.mode, None | Some(0 | 1 | 7 | 10 | 11))

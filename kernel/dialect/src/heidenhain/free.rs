@@ -132,7 +132,7 @@ impl Walk<'_> {
         known.map(|(_, end, heading)| (*end, *heading))
     }
 
-    /// Every element that words name is known.
+    /// Whether every element that words name is known.
     fn relations_hold(&self) -> bool {
         let words = ["RX", "RY", "RPR", "RPA", "RAN", "RCCX", "RCCY", "PAR"];
         words.iter().all(|name| self.free(name).is_none() || self.relative(name).is_some())

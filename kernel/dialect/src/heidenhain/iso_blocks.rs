@@ -345,7 +345,7 @@ impl Heidenhain {
     }
 }
 
-/// The tool of T, and the words without it.
+/// The tool of T, and the remaining words.
 fn tool_of(mut others: Vec<Word>, at: usize) -> Option<(Formula, Vec<Word>)> {
     let word = others.remove(at);
     let tool = match word.operand {

@@ -89,7 +89,7 @@ impl Shape {
         ("FCT", Self::FreeArc { tangent: true }),
     ];
 
-    /// A circle in one of its forms.
+    /// Whether this is a circle in one of its forms.
     pub(super) fn is_arc(self) -> bool {
         matches!(
             self,

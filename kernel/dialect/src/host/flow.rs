@@ -70,7 +70,7 @@ impl Loops {
         self.0.retain(|(of, _)| *of <= level);
     }
 
-    /// The programs are in no loop.
+    /// Whether the programs are in no loop.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -140,7 +140,7 @@ pub trait Flow {
     /// come.
     fn read_contour(&mut self, call: Call);
 
-    /// Moves are recorded, not made.
+    /// Whether moves are recorded, not made.
     fn reads_contour(&self) -> bool;
 
     /// Pieces of the contour that was read last, in the plane of that time: geometry of the machine's unit, radii.
@@ -149,7 +149,7 @@ pub trait Flow {
     /// Heights of the ends of each piece across the plane, where its first move says one.
     fn contour_heights(&self) -> Option<&[[f64; 2]]>;
 
-    /// The first move of the contour that was read last, which leads to it, is rapid.
+    /// Whether the first move of the contour that was read last, which leads to it, is rapid.
     fn contour_begins_rapid(&self) -> bool;
 
     /// At the end of the block stock is removed along the contour that was read last.

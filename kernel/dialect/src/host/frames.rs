@@ -26,7 +26,7 @@ pub struct AxisPlace {
 }
 
 impl AxisPlace {
-    /// It has this name or letter, letter case ignored.
+    /// Whether it has this name or letter, letter case ignored.
     pub fn is(&self, name: &str) -> bool {
         self.letter.eq_ignore_ascii_case(name) || self.name.eq_ignore_ascii_case(name)
     }
@@ -48,7 +48,7 @@ pub trait Frames {
     /// Positions of the channel's axes by name: in the work frame as programmed, in the machine frame.
     fn positions(&self) -> Vec<(&str, f64, f64)>;
 
-    /// Positions count from where the axes are.
+    /// Whether positions count from where the axes are.
     fn relative(&self) -> bool;
 
     /// Active angle and distance from the pole, in program units; none if no block has set them.
@@ -57,7 +57,7 @@ pub trait Frames {
     /// Distances of axes that are programmed as diameters are radii.
     fn steps_are_radii(&self) -> bool;
 
-    /// Moves are rapid or straight unless a block says otherwise.
+    /// Whether moves are rapid or straight unless a block says otherwise.
     fn moves_straight(&self) -> bool;
 
     /// From the program to the work frame: three rows of a linear part and a shift, in the order X, Y, Z; shifts as the

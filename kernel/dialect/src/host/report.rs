@@ -14,7 +14,7 @@ pub trait Report {
     /// Logs a message without the code of a display.
     fn log_message(&mut self, text: &str);
 
-    /// The kernel itself handles the messages of this text.
+    /// Whether the kernel itself handles the messages of this text.
     fn handles_messages(&self, text: &[u8]) -> bool;
 
     /// Reports a diagnostic of the block.
@@ -32,7 +32,7 @@ pub trait Report {
     /// Reports an alarm; returns its effect: the channel stops, or the rest of the block is dropped.
     fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt;
 
-    /// The machine continues after this alarm.
+    /// Whether the machine continues after this alarm.
     fn continues_after(&self, facts: &'static Facts) -> bool;
 
     /// The form in which the control writes the output of programs.

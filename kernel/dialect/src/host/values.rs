@@ -60,7 +60,7 @@ pub trait Values {
     /// The job was stopped.
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted;
 
-    /// The machine gives common variables to each channel instead of sharing them.
+    /// Whether the machine gives common variables to each channel instead of sharing them.
     fn has_own_common(&self) -> bool;
 
     /// Value of a local variable of the running program (`#1` to `#33`), which most expressions read; vacant without a
@@ -82,7 +82,7 @@ pub trait Values {
     /// Number of an alarm that a program raises with 0.
     fn program_alarm(&self) -> u32;
 
-    /// A numbered variable is common, of all channels or of this one.
+    /// Whether a numbered variable is common, of all channels or of this one.
     fn is_common(&self, index: u32) -> bool;
 
     /// A numbered variable without a value is vacant, otherwise it is 0, as is one that does not exist.
@@ -91,7 +91,7 @@ pub trait Values {
     /// The identification macro is asked where to write a system variable, otherwise its value is kept.
     fn set_asking(&mut self, on: bool);
 
-    /// There is an identification macro that may be asked now.
+    /// Whether there is an identification macro that may be asked now.
     fn identifies(&self) -> bool;
 
     /// Asks the identification macro about a text, with the value that is being assigned to it.

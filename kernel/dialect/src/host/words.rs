@@ -21,7 +21,7 @@ pub struct MadeWord {
 
 /// Words and codes of the machine.
 pub trait Words {
-    /// Words may begin with this text: a register of the machine has the name.
+    /// Whether words may begin with this text: a register of the machine has the name.
     fn is_register(&self, name: &str) -> bool;
 
     /// The word of a register with a value: as it is spelled, otherwise so that the register reads this value, rounded
@@ -34,7 +34,7 @@ pub trait Words {
     /// A literal text of the machine's code table, letter case ignored.
     fn is_code_text(&self, text: &str) -> bool;
 
-    /// The machine has a code for the word of a letter with this value.
+    /// Whether the machine has a code for the word of a letter with this value.
     fn knows_code(&self, letter: u8, value: f64) -> bool;
 
     /// Lengths are in inches.

@@ -66,7 +66,7 @@ fn needs_interpreter(text: &[u8]) -> bool {
     false
 }
 
-/// A text begins with this number.
+/// Whether a text begins with this number.
 fn is_number(text: &[u8], number: &[u8]) -> bool {
     let zeros = text.iter().take_while(|byte| **byte == b'0').count();
     let digits = text.get(zeros..).unwrap_or_default();

@@ -244,7 +244,7 @@ impl<'c, 'a> Reader<'c, 'a> {
     }
 }
 
-/// A variable is here.
+/// Whether a variable is here.
 pub(super) fn is_variable(cursor: &Cursor<'_>) -> bool {
     match (cursor.here(), cursor.ahead(1)) {
         (Some(b'V'), Some(b'.')) => true,
@@ -254,7 +254,7 @@ pub(super) fn is_variable(cursor: &Cursor<'_>) -> bool {
     }
 }
 
-/// The value of a word may begin here: a number, a sign, brackets, a variable or a function.
+/// Whether the value of a word may begin here: a number, a sign, brackets, a variable or a function.
 pub(super) fn is_value(cursor: &Cursor<'_>) -> bool {
     match cursor.here() {
         Some(b'0'..=b'9' | b'.' | b'+' | b'-' | b'[') => true,
@@ -263,7 +263,7 @@ pub(super) fn is_value(cursor: &Cursor<'_>) -> bool {
     }
 }
 
-/// A function comes next; a blank may be before its bracket.
+/// Whether a function comes next; a blank may be before its bracket.
 pub(super) fn is_function(cursor: &Cursor<'_>) -> bool {
     let mut ahead = cursor.clone();
     let name = ahead.run(|byte| byte.is_ascii_alphabetic());

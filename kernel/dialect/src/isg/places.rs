@@ -62,7 +62,7 @@ fn program(line: &[u8]) -> Option<(bool, &[u8])> {
     (!name.is_empty()).then_some((local, name))
 }
 
-/// A line is the head of a program.
+/// Whether a line is the head of a program.
 pub(super) fn is_head(line: &[u8]) -> bool {
     line.trim_ascii_start().first() == Some(&b'%')
 }

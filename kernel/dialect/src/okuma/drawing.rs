@@ -7,7 +7,7 @@ use super::cursor::Cursor;
 /// Their words.
 const WORDS: [&str; 7] = ["DEF", "PS", "PT", "END", "CLEAR", "DRAW", "TLID"];
 
-/// The rest of the block is one.
+/// Whether the rest of the block is one.
 pub(super) fn is_drawing(cursor: &Cursor<'_>) -> bool {
     let begins_with = |word: &&str| {
         let mut ahead = cursor.clone();

@@ -456,7 +456,7 @@ fn operands(cursor: &mut Cursor<'_>, count: usize) -> Result<Box<[Expr]>, Mistak
     Ok(operands)
 }
 
-/// A line with the name of its file: `$NAME.MIN%`.
+/// Whether a line has the name of its file: `$NAME.MIN%`.
 pub(super) fn is_header(line: &[u8]) -> bool {
     let line = line.trim_ascii();
     line.first() == Some(&b'$') && line.last() == Some(&b'%')

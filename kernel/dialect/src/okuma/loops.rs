@@ -29,7 +29,7 @@ pub(super) struct Open {
 }
 
 impl Open {
-    /// A line of the file; one that defines a program begins anew.
+    /// Reads a line of the file; a line that defines a program starts anew.
     pub(super) fn line(&mut self, source: &Source, line: u32, defines: bool) {
         if defines {
             self.open = OpenLoops::default();
@@ -100,7 +100,7 @@ impl Okuma {
     }
 }
 
-/// A line with the keywords of a loop.
+/// Whether a line has the keywords of a loop.
 fn may_hold_loop(text: &[u8]) -> bool {
     text.windows(2).any(|pair| pair.eq_ignore_ascii_case(b"DO") || pair.eq_ignore_ascii_case(b"EN"))
 }

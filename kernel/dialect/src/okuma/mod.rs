@@ -150,8 +150,8 @@ impl Okuma {
         }
     }
 
-    /// The line is a jump, a loop or values for variables, without words or messages; no line of its file continues
-    /// another.
+    /// Whether the line is a jump, a loop or values for variables, without words or messages; no line of its file
+    /// continues another.
     fn needs_no_text(&mut self, host: &dyn Host, line: &line::Line) -> bool {
         let quiet = line.messages.is_empty() && !line.open && self.takes_names;
         let named = line.head.iter().all(|head| matches!(head, line::Head::Name(_)));

@@ -34,7 +34,7 @@ pub(super) fn is_offset(name: &str) -> bool {
     matches!(name, "HA" | "HB" | "HC" | "DA" | "DB" | "DC")
 }
 
-/// A word that only looks like the name of a block or program. OMIT leaves points of a figure out, unless nothing
+/// Whether a word only looks like the name of a block or program. OMIT leaves points of a figure out, unless nothing
 /// follows it.
 pub(super) fn is_statement(word: &[u8], continues: bool) -> bool {
     let statements = [b"NOEX".as_slice(), b"NCYL", b"NMSG"].into_iter();

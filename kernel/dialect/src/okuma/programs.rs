@@ -100,7 +100,7 @@ impl Table for Index {
     }
 }
 
-/// The name or number in front of a line.
+/// The name or number at the start of a line.
 fn head(text: &[u8]) -> Option<Head> {
     let start = text.iter().copied().find(|byte| !matches!(byte, b' ' | b'\t' | b'/' | b'1'..=b'9'))?;
     if !matches!(start, b'N' | b'n' | b'O' | b'o') {
@@ -128,7 +128,7 @@ pub(super) fn program_name(text: &[u8]) -> Option<&[u8]> {
     name.iter().any(u8::is_ascii_alphabetic).then_some(name)
 }
 
-/// A line returns from a subprogram.
+/// Whether a line returns from a subprogram.
 pub(super) fn returns(text: &[u8]) -> bool {
     prepare(text).upper.trim_ascii().ends_with(b"RTS")
 }

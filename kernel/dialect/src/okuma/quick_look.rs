@@ -35,13 +35,13 @@ pub(super) fn needs_interpreter(text: &[u8]) -> bool {
     false
 }
 
-/// The number of G81 to G88, which lathes use for contours.
+/// Whether a number is one of G81 to G88, which lathes use for contours.
 fn is_contour(number: &[u8]) -> bool {
     let zeros = number.iter().take_while(|digit| **digit == b'0').count();
     matches!(number.get(zeros..).unwrap_or_default(), [b'8', b'1'..=b'8', ..])
 }
 
-/// The inside of a comment that is a message: `MSG, …`.
+/// Whether the inside of a comment is a message: `MSG, …`.
 pub(super) fn is_message(inside: &[u8]) -> bool {
     let inside = inside.trim_ascii_start();
     inside.get(..3).is_some_and(|word| word.eq_ignore_ascii_case(b"MSG"))

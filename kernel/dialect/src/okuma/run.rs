@@ -287,7 +287,7 @@ impl Okuma {
 }
 
 impl Okuma {
-    /// A register of the machine has this name.
+    /// Whether a register of the machine has this name.
     pub(super) fn is_word(&mut self, host: &dyn Host, name: &str) -> bool {
         if let Some(known) = self.names.words.get(name) {
             return *known;

@@ -49,7 +49,7 @@ pub(super) fn prepare(text: &[u8]) -> Prepared {
     Prepared { plain, upper, messages, open }
 }
 
-/// A text ends with the statement MSG.
+/// Whether a text ends with the statement MSG.
 fn is_behind_msg(before: &[u8]) -> bool {
     let before = before.trim_ascii_end();
     let Some((head, word)) = before.split_last_chunk::<3>() else { return false };

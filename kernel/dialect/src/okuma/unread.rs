@@ -52,7 +52,7 @@ impl Okuma {
         Ok(())
     }
 
-    /// The file reads the name, or it has been reported.
+    /// Whether the file reads the name, or it has been reported.
     fn is_read(&mut self, host: &mut dyn Host, local: Local, name: &str) -> bool {
         let file = host.place().file;
         if let Some(read) = self.names.read.get(&(file, local)) {
@@ -93,7 +93,7 @@ impl Okuma {
     }
 }
 
-/// A quick look: the line has the letters of the name.
+/// Quick look: whether the line has the letters of the name.
 fn may_name(line: &[u8], name: &str) -> bool {
     line.windows(name.len()).any(|part| part.eq_ignore_ascii_case(name.as_bytes()))
 }

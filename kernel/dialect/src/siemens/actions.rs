@@ -45,7 +45,7 @@ pub(super) struct Action {
 }
 
 impl Action {
-    /// It sets or deletes marks for other channels.
+    /// Whether it sets or deletes marks for other channels.
     pub(super) fn coordinates(&self) -> bool {
         self.does
             .iter()

@@ -63,7 +63,7 @@ const KINDS: [(&str, Kind); 9] = [
 ];
 
 impl Turning {
-    /// Blocks without a word of the direction may have one.
+    /// Whether blocks without a word of the direction may have one.
     pub(super) fn acts(&self) -> bool {
         self.kind != Kind::Straight
     }
@@ -235,7 +235,7 @@ fn same(a: [f64; 3], b: [f64; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
 }
 
-/// An M function that acts at the end of its block.
+/// Whether an M function acts at the end of its block.
 fn ends(word: &str) -> bool {
     let number = word.strip_prefix('M').and_then(|number| number.parse::<u32>().ok());
     number.is_some_and(|number| matches!(number, 0..=2 | 5 | 9 | 17 | 30))

@@ -102,12 +102,12 @@ impl Beside {
         made
     }
 
-    /// All numbers are within bounds.
+    /// Whether all numbers are within bounds.
     pub(super) fn is_sound(&self) -> bool {
         self.0.iter().all(|own| own.is_sound())
     }
 
-    /// Nothing but translations.
+    /// Whether the frame has nothing but translations.
     pub(super) fn is_shift(&self) -> bool {
         self.0.iter().all(|own| own.scale == 1.0 && !own.mirror)
     }

@@ -50,7 +50,7 @@ pub(super) fn check(words: &str, plane: impl Fn() -> Option<i64>) -> Outcome<()>
     }
 }
 
-/// The words of these rules have two letters or are G110 to G112; those of most blocks have one letter.
+/// Whether the words of these rules have two letters or are G110 to G112; those of most blocks have one letter.
 fn is_looked_at(word: &str) -> bool {
     matches!(word.as_bytes(), [_, second, ..] if second.is_ascii_alphabetic()) || word.starts_with("G11")
 }
@@ -96,7 +96,7 @@ fn circle(words: &str, plane: impl Fn() -> Option<i64>) -> Outcome<()> {
     }
 }
 
-/// A word of one of the letters.
+/// Whether this is a word of one of the letters.
 fn is_word(word: &str, letters: &[char]) -> bool {
     let value = word.strip_prefix(letters);
     value.is_some_and(|value| value.starts_with(|next: char| next.is_ascii_digit() || "+-.=".contains(next)))

@@ -49,7 +49,7 @@ impl PassedArgument {
         Self { value: self.value.clone(), from: None }
     }
 
-    /// The caller has given something.
+    /// Whether the caller has given something.
     pub(super) fn is_there(&self) -> bool {
         !matches!(self.value, Passed::Missing)
     }

@@ -13,12 +13,12 @@ pub(super) struct Cursor<'a> {
     pub(super) operators: usize,
 }
 
-/// A byte that may begin a name.
+/// Whether a byte may begin a name.
 pub(super) fn begins_name(byte: u8) -> bool {
     byte.is_ascii_alphabetic() || byte == b'_' || byte == b'$'
 }
 
-/// A byte that may be inside a name.
+/// Whether a byte may be inside a name.
 pub(super) fn in_name(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
@@ -92,7 +92,7 @@ impl<'a> Cursor<'a> {
         false
     }
 
-    /// The sign of an assignment comes next, after blanks.
+    /// Whether the sign of an assignment comes next, after blanks.
     pub(super) fn assigns(&self) -> bool {
         let rest = self.rest().trim_start_matches([' ', '\t']).as_bytes();
         rest.first() == Some(&b'=') && rest.get(1) != Some(&b'=')

@@ -255,7 +255,7 @@ const MACHINING: [(&str, i64); 10] = [
     ("_ORI_PRECISION", 14),
 ];
 
-/// A register or an axis has this name.
+/// Whether a register or an axis has this name.
 pub(super) fn words_name(host: &dyn Host, name: &str) -> bool {
     host.is_register(name)
         || host.is_register(&format!("{name}="))
@@ -324,7 +324,7 @@ fn calculate(operator: Operator, left: &Data, right: &Data) -> Outcome<Data> {
     }
 }
 
-/// Numbers that differ by no more than rounding are equal.
+/// Whether numbers that differ by no more than rounding are equal.
 pub(super) fn same(left: f64, right: f64) -> bool {
     left == right || (left - right).abs() <= 1e-12 * left.abs().max(right.abs())
 }

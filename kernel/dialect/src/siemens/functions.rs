@@ -43,7 +43,7 @@ const FUNCTIONS: [(&str, usize, usize); 28] = [
     ("STRING", 1, 1),
 ];
 
-/// The control has a function of this name.
+/// Whether the control has a function of this name.
 pub(super) fn is_function(name: &str) -> bool {
     Function::named(name).is_some() || FUNCTIONS.iter().any(|(function, ..)| *function == name)
 }

@@ -75,7 +75,7 @@ pub(super) fn is_head(text: &str) -> bool {
         .is_some_and(|name| name.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
 }
 
-/// A text can be read, and its block does not begin with a definition.
+/// Whether a text can be read, and its block does not begin with a definition.
 fn is_block(text: &str) -> bool {
     let text = text.trim();
     let defines = |item: &Item| {

@@ -81,12 +81,12 @@ impl Siemens {
     }
 }
 
-/// A word that makes axis words of its block something else than positions of the path.
+/// Whether a word makes axis words of its block something other than positions of the path.
 pub(super) fn is_still(word: &str) -> bool {
     STILL.contains(&word) || code(word).is_some_and(|code| STILL_CODES.contains(&code))
 }
 
-/// A G function of the motion group that is neither G0 nor G1.
+/// Whether a G function of the motion group is neither G0 nor G1.
 pub(super) fn is_curve(word: &str) -> bool {
     code(word).is_some_and(|code| CURVES.contains(&code))
 }

@@ -52,7 +52,7 @@ fn then(outer: &Rows, inner: &Rows) -> Rows {
     made
 }
 
-/// The machine has directions of the tool.
+/// Whether the machine has directions of the tool.
 pub(super) fn has_directions(host: &dyn Host) -> bool {
     host.is_register("A3=")
 }
@@ -206,7 +206,7 @@ impl Siemens {
     }
 }
 
-/// Some word may be one of those above: the first two characters of each decide about most blocks.
+/// Whether some word may be one of those above: the first two characters of each decide about most blocks.
 fn may_orient(words: &str) -> bool {
     let mut begins = true;
     words.as_bytes().windows(2).any(|pair| {
@@ -215,7 +215,7 @@ fn may_orient(words: &str) -> bool {
     })
 }
 
-/// The word is the number of a block.
+/// Whether the word is the number of a block.
 fn is_number(word: &str) -> bool {
     word.strip_prefix('N').is_some_and(|rest| !rest.is_empty() && rest.bytes().all(|byte| byte.is_ascii_digit()))
 }

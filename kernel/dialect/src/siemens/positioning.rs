@@ -17,10 +17,10 @@ use counterpoint_fault as diag;
 
 /// The word for the machine's tables that ends blocks with POS.
 const ARRIVE: &str = "SC_POS";
-/// Data of an axis or spindle that change nothing here.
+/// Data of an axis or spindle that have no effect here.
 const LIMITS: [&str; 5] = ["ACC", "VELOLIM", "JERKLIM", "ATOL", "FL"];
 
-/// A word of an axis, as `X5`, `X-1` or `X=5`.
+/// Whether this is a word of an axis, as `X5`, `X-1` or `X=5`.
 fn is_word_of(word: &str, letter: &str) -> bool {
     let rest = word.strip_prefix(letter);
     rest.is_some_and(|rest| rest.starts_with(|next: char| next.is_ascii_digit() || "+-.=".contains(next)))
@@ -157,7 +157,7 @@ impl Siemens {
     }
 }
 
-/// The programmable frame is turned.
+/// Whether the programmable frame is turned.
 fn turned(host: &dyn Host) -> bool {
     let frame = host.local_frame();
     (0..3).any(|row| {

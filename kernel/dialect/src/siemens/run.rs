@@ -48,7 +48,7 @@ impl Left {
         Self { relative: other.relative, ..Self::default() }
     }
 
-    /// Nothing is left.
+    /// Whether nothing is left.
     fn is_empty(&self) -> bool {
         let Self { before, words, call, passes_word, aims, moves, beside, .. } = self;
         let nothing = before.is_empty() && words.is_empty() && beside.is_empty();
@@ -478,7 +478,7 @@ fn mode(text: &str) -> Option<bool> {
     }
 }
 
-/// A word of the machine may begin with this name.
+/// Whether a word of the machine may begin with this name.
 fn words_address(host: &dyn Host, name: &str) -> bool {
     let forms = [name.to_owned(), format!("{name}="), format!("{name}[")];
     forms.iter().any(|form| host.is_register(form)) || super::evaluate::words_name(host, name)

@@ -18,7 +18,7 @@ use counterpoint_machine::ident::codes;
 /// Numbers of spindles.
 const SPINDLES: std::ops::RangeInclusive<i64> = 1..=31;
 
-/// A word that makes a limit or a cutting speed of S, or ends the cutting speed.
+/// Whether a word makes a limit or a cutting speed of S, or ends the cutting speed.
 pub(super) fn changes_speed(item: &Item) -> bool {
     let Item::Text(text) = item else { return false };
     let digits = text.strip_prefix(['G', 'g']).map_or("", |digits| digits.trim_start().trim_start_matches('0'));
@@ -35,7 +35,7 @@ fn is_cutting_speed(word: &str) -> bool {
     word.strip_prefix(['G', 'g']).is_some_and(|digits| matches!(digits, "96" | "961" | "962"))
 }
 
-/// An oriented stop in the words of the machine.
+/// Whether the words are an oriented stop in the words of the machine.
 fn is_stop(word: &str) -> bool {
     word.strip_prefix(['M', 'm']).is_some_and(|digits| digits.trim_start_matches('0') == "19")
 }

@@ -107,7 +107,7 @@ impl Variables {
         of(running).or_else(|| of(0)).or_else(|| self.channel.get(name).map(|found| (Holder::Channel, found)))
     }
 
-    /// A variable of this name exists in the channel.
+    /// Whether a variable of this name exists in the channel.
     pub(super) fn knows(&self, name: &str) -> bool {
         self.find(name).is_some() || self.shared.contains_key(name)
     }

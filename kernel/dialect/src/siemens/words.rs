@@ -40,7 +40,7 @@ pub(super) struct Spelling {
 }
 
 impl Spelling {
-    /// A register has it.
+    /// Whether a register has it.
     fn is_word(self) -> bool {
         self.plain || self.equals
     }
@@ -216,7 +216,7 @@ fn splits(address: &str) -> bool {
     address.as_bytes().get(1).is_some_and(u8::is_ascii_digit)
 }
 
-/// A name that is none of the machine's, with a code at its beginning: `TRANSX10`.
+/// Whether a name that the machine does not have starts with a code: `TRANSX10`.
 pub(super) fn begins_with_code(host: &dyn Host, name: &str) -> bool {
     let letters = name.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.');
     let is_name = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
@@ -224,7 +224,7 @@ pub(super) fn begins_with_code(host: &dyn Host, name: &str) -> bool {
     is_name && letters != name && !host.is_register(letters) && beginnings.any(|beginning| host.is_code_text(beginning))
 }
 
-/// A number as it is written in a program.
+/// Whether this is a number as written in a program.
 fn is_number(text: &str) -> bool {
     let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
     let plain = digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');

@@ -75,7 +75,7 @@ fn number(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
     act.take(id).map(|datum| datum.raw)
 }
 
-/// The channel runs alone, or the machine has no channels that meet.
+/// Whether the channel runs alone, or the machine has no channels that meet.
 fn is_off(act: &Act<'_, '_>) -> bool {
     act.env.machine.sync.dialect == SyncDialect::None || act.env.options.ignore_waits.contains(&act.at.channel)
 }

@@ -109,7 +109,7 @@ fn radius(act: &mut Act<'_, '_>) -> Option<Given> {
     named.find_map(|(id, axis)| Some((act.take(id)?.value * unit, axis, false)))
 }
 
-/// The active plane is that of the surface. One whose words are those of its axes began in that plane.
+/// Whether the active plane is that of the surface. One whose words are those of its axes began in that plane.
 pub(super) fn in_plane(act: &Act<'_, '_>, polar: &Polar) -> bool {
     let Some(plane) = act.state.modal.code(group::PLANE).and_then(plane) else { return false };
     let role = |axis: AxisSlot| {

@@ -54,7 +54,7 @@ impl Act<'_, '_> {
         self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
     }
 
-    /// The word that supplies a value counts thousandths or less and has a decimal point.
+    /// Whether the word that supplies a value counts thousandths or less and has a decimal point.
     fn is_pointed(&self, id: DataId) -> bool {
         let sources = self.sources(id).iter();
         let found = sources.filter_map(|source| Some((source.mul, self.block.look(source.register)?))).next();

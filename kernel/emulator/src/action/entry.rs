@@ -71,7 +71,7 @@ impl Entry {
         Self { contour, ..self }
     }
 
-    /// It takes this code.
+    /// Whether it takes this code.
     pub(super) fn takes(&self, id: CodeId) -> bool {
         match self.codes {
             Codes::Listed(codes) => codes.contains(&id),

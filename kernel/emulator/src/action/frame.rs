@@ -81,7 +81,7 @@ pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
     Ok(())
 }
 
-/// Presets and the local shift of the axes that the block names end.
+/// Ends presets and the local shift of the axes that the block names.
 fn preset_off(act: &mut Act<'_, '_>) -> Acted {
     let mut coded = 0_u8;
     for slot in act.state.place.layout.axes.ids() {

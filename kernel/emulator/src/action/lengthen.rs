@@ -49,7 +49,7 @@ fn lengthen(act: &mut Act<'_, '_>, times: f64) -> Acted {
     Ok(())
 }
 
-/// The block moves along a circle.
+/// Whether the block moves along a circle.
 fn is_circle(act: &Act<'_, '_>) -> bool {
     let is_arc = |id: counterpoint_machine::ident::CodeId| matches!(id.kind(), CodeKind::Arc(_));
     let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);

@@ -41,7 +41,7 @@ fn by_heads(act: &mut Act<'_, '_>, id: DataId, letter: char) -> Acted {
     act.wait_for(waits::head_mark(letter, number, heads))
 }
 
-/// The job says that the channel never waits.
+/// Whether the job says that the channel never waits.
 fn ignores_waits(act: &Act<'_, '_>) -> bool {
     act.env.options.ignore_waits.contains(&act.at.channel)
 }

@@ -199,7 +199,7 @@ fn read(act: &mut Act<'_, '_>, of_code: Form, add: bool) -> Result<Option<Define
     Ok(Some(Defined { plane, angles }))
 }
 
-/// A code of a form of its own has all of its numbers; one that adds has one angle.
+/// Whether a code of a form of its own has all of its numbers; one that adds has one angle.
 fn complete(form: Form, add: bool, numbers: &[Option<f64>]) -> bool {
     let needed = match form {
         Form::Said | Form::Positions => return true,

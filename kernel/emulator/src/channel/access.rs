@@ -37,7 +37,7 @@ fn reach<R>(order: &mut Order, mode: Mode, operation: impl FnOnce(&mut Shared) -
 }
 
 impl Door<'_> {
-    /// It leads to this variable.
+    /// Whether it leads to this variable.
     pub(super) fn leads_to(self, variable: &Variable) -> bool {
         match (self, variable) {
             (Self::Named(name), Variable::Named(known)) => *name == **known,

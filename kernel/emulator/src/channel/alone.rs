@@ -13,12 +13,12 @@ use crate::state::coupling::{Coupling, Parking};
 use crate::waits::coupling::{self, Kind, Pair};
 
 impl Kernel<'_> {
-    /// The program of this channel alone has the code of synchronous control.
+    /// Whether the program of this channel alone has the code of synchronous control.
     pub(crate) fn couples_alone(&mut self) -> bool {
         self.words_of_couplings() == [true, false]
     }
 
-    /// Only programs of other channels have the code.
+    /// Whether only programs of other channels have the code.
     pub(super) fn hears_of_couplings(&mut self) -> bool {
         let machine = self.channel.env.machine;
         machine.axes.iter().any(|axis| axis.coupling.number.is_some()) && self.words_of_couplings() == [false, true]

@@ -74,7 +74,7 @@ impl<'a> Components<'a> {
         Self { all, turns: Turns { now, ..Turns::default() } }
     }
 
-    /// The machine is a composite.
+    /// Whether the machine is a composite.
     pub(crate) fn is_composite(&self) -> bool {
         !self.all.is_empty()
     }

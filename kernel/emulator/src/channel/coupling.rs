@@ -110,7 +110,7 @@ impl Kernel<'_> {
         self.shared(|order| order.shared.coupled.insert(key, stand)).map(|_| ())
     }
 
-    /// News of the other channel of a pair.
+    /// Takes over the data of the other channel of a pair.
     pub(super) fn hear(&mut self, pair: &Pair, meeting: Meeting) -> Result<Stand, Halt> {
         let Some((own, other)) = pair.of(self.channel.at.channel) else { return Ok(Stand::default()) };
         let key = key(other, own, meeting);

@@ -69,7 +69,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// A value of `id` is in the block.
+    /// Whether a value of `id` is in the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
         let registers = self.plan.data.registers_of[id];
         self.channel.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)

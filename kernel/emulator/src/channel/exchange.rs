@@ -61,7 +61,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// A move concerns an axis that channels exchange.
+    /// Whether a move concerns an axis that channels exchange.
     #[cold]
     #[inline(never)]
     pub(super) fn moves_exchanged(&self, motion: &Motion) -> bool {
@@ -134,7 +134,7 @@ impl Kernel<'_> {
     }
 }
 
-/// The axis takes part in the move.
+/// Whether the axis takes part in the move.
 fn moves(motion: &Motion, slot: AxisSlot) -> bool {
     let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
     round && motion.plane_axes.map(usize::from).contains(&slot.index()) || motion.from.at(slot) != motion.to.at(slot)

@@ -92,7 +92,7 @@ pub(crate) enum Pending {
 }
 
 impl Pending {
-    /// It calls a subprogram.
+    /// Whether it calls a subprogram.
     pub(crate) fn calls(&self) -> bool {
         matches!(self, Self::Call { .. } | Self::Figure { .. } | Self::CallRange { .. } | Self::CallText(_))
     }

@@ -75,7 +75,7 @@ impl Kernel<'_> {
         };
     }
 
-    /// The block, whose words have acted, calls or returns, or has no code.
+    /// Whether the block, whose words have acted, calls or returns, or has no code.
     #[inline(always)]
     pub(crate) fn may_only_lead_on(&self) -> bool {
         self.flow.pending.is_some() || self.channel.block.pending.is_empty()
@@ -117,8 +117,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// The text is the number of a program, at most with a comment after it. Words that have been removed may have had
-    /// any effect.
+    /// Whether the text is the number of a program, at most with a comment after it. Words that have been removed may
+    /// have had any effect.
     fn is_head_alone(&self, text: &[u8]) -> bool {
         let [word] = self.channel.block.words.as_slice() else { return false };
         let before = text.get(..word.start as usize).unwrap_or_default();
@@ -129,7 +129,7 @@ impl Kernel<'_> {
             && (after.is_empty() || comment)
     }
 
-    /// The block is a code that takes no time and changes no mode, with the number of a program and of passes.
+    /// Whether the block is a code that takes no time and changes no mode, with the number of a program and of passes.
     fn has_only_words_of_call(&self) -> bool {
         let machine = self.channel.env.machine;
         let [pending] = self.channel.block.pending.as_slice() else { return false };

@@ -98,7 +98,7 @@ impl Passes {
         self.loops.retain(|pass| pass.depth <= depth);
     }
 
-    /// A block of the loop that jumped back last, which has only read since.
+    /// Whether a block of the loop that jumped back last has only read since.
     fn looks(&self, (file, line): (FileId, u32), depth: usize) -> bool {
         let (of, first, last) = self.last().key;
         !self.effects && !self.changes && self.last().depth == depth && of == file && (first..=last).contains(&line)
@@ -259,7 +259,7 @@ impl Kernel<'_> {
         Ok(passes)
     }
 
-    /// The shared variables in these places, as programs call them; made once for the passes of a loop.
+    /// The shared variables in these places, by their names in programs; made once for the passes of a loop.
     fn names(&mut self, reads: u64) -> Arc<str> {
         if let Some((of, names)) = &self.flow.pass.names
             && *of == reads
@@ -282,7 +282,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// A variable that is read now decides how long a loop waits.
+    /// Whether a variable that is read now decides how long a loop waits.
     pub(crate) fn is_polling(&self) -> bool {
         let at = (self.channel.at.file, self.channel.at.line);
         self.flow.pass.condition || self.flow.pass.looks(at, self.flow.frames.len())

@@ -246,7 +246,7 @@ fn recall(machine: &Machine) -> Option<Table<DataId, bool>> {
     recall.iter().any(|recalled| *recalled).then_some(recall)
 }
 
-/// Data that every request needs; others have a second form or a default without the word.
+/// Data that are required by every action; others have a second form or a default.
 pub(crate) const NEEDED: [DataId; 24] = [
     data::SPINDLE_RPM,
     data::SPINDLE_CSS,
@@ -437,7 +437,7 @@ fn rows_of_code(machine: &Machine) -> Table<CodeId, Option<CodeRowId>> {
     rows
 }
 
-/// Both are modal and have the same register.
+/// Whether both are modal and have the same register.
 fn lead_is_feed(machine: &Machine) -> bool {
     let row = |id| machine.data.iter().find(|row| row.id == id && row.enable && row.process && row.modal);
     let registers = [data::INTERP_THREAD_PITCH, data::FEED_UPR].map(|id| row(id).and_then(|row| row.register));

@@ -184,7 +184,7 @@ impl Kernel<'_> {
         Err(self.alarm(&diag::AXIS_NOT_IN_CHANNEL, text))
     }
 
-    /// No rule can refuse the block, for any active codes.
+    /// Whether no rule can refuse the block, for any active codes.
     pub(crate) fn is_never_refused(&self) -> bool {
         let Some(refusals) = self.plan.rules.refusals.as_deref() else { return true };
         let block = &self.channel.block;
@@ -218,7 +218,7 @@ impl Kernel<'_> {
         Err(self.alarm(&diag::REFUSED, text))
     }
 
-    /// A rule refuses the block, whose words are as it wants them.
+    /// Whether a rule refuses the block, whose words are as it wants them.
     #[inline]
     fn is_refused_by(&self, rule: &Refusal) -> bool {
         rule.word.as_ref().is_none_or(|word| self.is_wrong(word)) && self.has_state(rule)
@@ -250,7 +250,7 @@ impl Kernel<'_> {
         (rule.active.is_empty() || rule.active.iter().any(stays)) && !rule.inactive.iter().any(was)
     }
 
-    /// The block's words of a register are not as the rule wants them.
+    /// Whether the block's words of a register are not as the rule wants them.
     fn is_wrong(&self, rule: &WordRule) -> bool {
         let mut count = 0_usize;
         let mut wrong = false;

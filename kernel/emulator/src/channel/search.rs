@@ -208,7 +208,7 @@ impl Kernel<'_> {
         labels
     }
 
-    /// A code of the block calls a range.
+    /// Whether a code of the block calls a range.
     fn calls_range(&self, block: &Block) -> bool {
         let words = block.words.iter().flat_map(|word| self.channel.env.machine.tables.code(word.register, word.value));
         words.chain(&block.texts).any(|&row| self.id_of_row(row) == codes::CALSUB_RANGE)

@@ -93,7 +93,7 @@ struct Use {
     writes: bool,
 }
 
-/// The first line of some uses that has a variable.
+/// The first line among some uses that has a variable.
 fn uses_line(uses: &[Use], number: u32) -> u32 {
     uses.iter().find(|one| one.number == number).map_or(0, |one| one.line)
 }

@@ -108,13 +108,13 @@ impl Kernel<'_> {
         self.channel.reports.alarms.stopping = stopping;
     }
 
-    /// A code of the block takes a program name.
+    /// Whether a code of the block takes a program name.
     fn calls_by_name(&self) -> bool {
         let mut rows = self.channel.block.pending.iter().map(|pending| &self.channel.env.machine.codes[pending.row]);
         rows.any(|row| row.id == codes::CALSUB_ID)
     }
 
-    /// A word of a letter that codes are written with.
+    /// Whether this is a word of a letter with which codes are written.
     fn is_code_word(&self, text: &str) -> bool {
         let letter = text.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
         let codes = letter.is_some_and(|(register, _)| self.channel.env.machine.tables.has_codes(register));
@@ -163,7 +163,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// An address alone.
+    /// Whether this is an address alone.
     fn is_letter(&self, text: &str) -> bool {
         match text.as_bytes() {
             [letter] => self.plan.scanner.register(*letter).is_some(),
@@ -200,7 +200,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A motion code is written in the block.
+    /// Whether a motion code is written in the block.
     fn moves_by_itself(&self) -> bool {
         self.group_queued(crate::state::modal::group::MOTION)
     }

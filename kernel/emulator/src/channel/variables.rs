@@ -140,7 +140,7 @@ pub(super) fn within(ranges: &[(u32, u32)], index: u32) -> bool {
 }
 
 impl Kernel<'_> {
-    /// A common variable, of all channels or of this one.
+    /// Whether this is a common variable, of all channels or of this one.
     pub(crate) fn is_common(&self, index: u32) -> bool {
         within(&self.channel.env.machine.variables.shared, index)
             || within(&self.channel.env.machine.variables.channel, index)

@@ -98,7 +98,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A macro has put the position of an axis or the shape of an arc in the block.
+    /// Whether a macro has put the position of an axis or the shape of an arc in the block.
     pub(crate) fn adds_motion(&self) -> bool {
         self.channel.block.added.iter().any(|(id, _)| matches!(id.kind(), DataKind::Axis(_) | DataKind::Arc))
     }
@@ -125,7 +125,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// An identifier is in the block; the code that acts counts as present.
+    /// Whether an identifier is in the block; the code that acts counts as present.
     fn is_present(&self, item: Item, fired: Option<CodeId>) -> bool {
         match item {
             Item::Code(id) => Some(id) == fired || self.has_code(id),

@@ -48,7 +48,7 @@ impl Kernel<'_> {
         seen
     }
 
-    /// The block may hold embedded code of this kind: 0 before, 1 after the pre-processor.
+    /// Whether the block may hold embedded code of this kind: 0 before, 1 after the pre-processor.
     pub(crate) fn has_embedded(&self, kind: usize) -> bool {
         let runtime = &*self.macros;
         let open = runtime.variables.store.embedding.get(kind).map_or("", String::as_str);
@@ -143,7 +143,7 @@ impl Kernel<'_> {
     }
 }
 
-/// A short text is part of another one. Few blocks have its first byte.
+/// Whether a short text is part of another one. Few blocks have its first byte.
 #[inline]
 fn contains(text: &[u8], part: &[u8]) -> bool {
     let Some(at) = part.first().and_then(|first| memchr::memchr(*first, text)) else { return false };

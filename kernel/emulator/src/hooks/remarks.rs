@@ -33,7 +33,7 @@ impl Kernel<'_> {
         if self.may_have_remarks() || self.plan.scanner.has_messages() { self.remarks(text) } else { Ok(()) }
     }
 
-    /// The block has messages, or comments and messages fire codes.
+    /// Whether the block has messages, or comments and messages fire codes.
     fn may_have_remarks(&self) -> bool {
         !self.channel.block.messages.is_empty() || self.remarks_fire().contains(&true)
     }

@@ -59,7 +59,7 @@ impl Kernel<'_> {
         Ok(Value::Logical(known.is_some()))
     }
 
-    /// Some row of the machine has this data.
+    /// Whether some row of the machine has this data.
     pub(crate) fn knows_data(&self, id: DataId) -> bool {
         !self.channel.env.machine.tables.data(id).is_empty()
     }
@@ -98,7 +98,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A code that acts now or will act is in the block.
+    /// Whether a code that acts now or will act is in the block.
     pub(crate) fn has_code(&self, id: CodeId) -> bool {
         self.waiting_code(id).is_some()
     }

@@ -11,7 +11,7 @@ use crate::channel::Kernel;
 use crate::macros::store::names;
 
 impl Kernel<'_> {
-    /// The program has no further block.
+    /// Whether the program has no further block.
     pub(crate) fn at_end(&self) -> bool {
         let Some(frame) = self.flow.frames.last() else { return true };
         let Some(source) = self.channel.env.sources.get(frame.file) else { return true };

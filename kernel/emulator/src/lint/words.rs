@@ -126,7 +126,7 @@ impl Walk<'_, '_> {
         acted
     }
 
-    /// The value of a word with this name decides which code it is, and one of these codes is followed.
+    /// Whether the value of a word with this name decides which code it is, and one of these codes is followed.
     pub(super) fn decides(&self, name: &str) -> bool {
         let machine = self.kernel.channel.env.machine;
         let Some(register) = machine.registers.find(|register| register.name == name) else { return false };
@@ -141,7 +141,7 @@ impl Walk<'_, '_> {
         })
     }
 
-    /// A word with this name moves an axis.
+    /// Whether a word with this name moves an axis.
     fn moves(&self, name: &str) -> bool {
         let registers = &self.kernel.channel.env.machine.registers;
         let register = registers.find(|register| register.name == name);

@@ -51,7 +51,7 @@ pub(crate) enum Task {
 }
 
 impl Task {
-    /// A tool or a head is only selected.
+    /// Whether a tool or a head is only selected.
     pub(crate) fn selects(&self) -> bool {
         match self {
             Self::Tool(action, ..) => *action == ToolAction::Select,
@@ -117,12 +117,12 @@ impl Calls {
         }
     }
 
-    /// A macro uses an argument.
+    /// Whether a macro uses an argument.
     pub(crate) fn uses(&self, code: u16, argument: u8) -> bool {
         self.arguments.get(usize::from(code)).is_some_and(|bits| bits & 1 << argument != 0)
     }
 
-    /// A macro is running.
+    /// Whether a macro is running.
     pub(crate) fn is_busy(&self, code: u16) -> bool {
         self.busy.get(usize::from(code)).copied().unwrap_or(true)
     }

@@ -33,12 +33,12 @@ impl Hooks {
         self.on.get(hook as usize).copied().flatten()
     }
 
-    /// A code macro is on.
+    /// Whether a code macro is on.
     pub(crate) fn has_code(&self, at: CodeMacroId) -> bool {
         self.codes[at]
     }
 
-    /// A data macro is on.
+    /// Whether a data macro is on.
     pub(crate) fn has_data(&self, at: DataMacroId) -> bool {
         self.data[at]
     }

@@ -192,7 +192,7 @@ impl Kernel<'_> {
         format!("{}{}", register.before, written(word.value, &register.format))
     }
 
-    /// The conditions of a row on other words of the block are met.
+    /// Whether the conditions of a row on other words of the block are met.
     fn fits(&self, row: &CodeRow) -> bool {
         let with = row.with.is_empty() || row.with.iter().any(|&r| self.channel.block.has(r));
         with && row.without.iter().all(|&r| !self.channel.block.has(r))

@@ -87,7 +87,7 @@ impl Kernel<'_> {
         Some((first, from(last, first)?))
     }
 
-    /// Nothing but blank lines and comments is between this block and the contour.
+    /// Whether nothing but blank lines and comments is between this block and the contour.
     fn comes_next(&mut self, first: Spot) -> bool {
         let sources = self.channel.env.sources;
         let Some((file, next)) = self.frame().map(|frame| (frame.file, frame.next_block())) else { return false };

@@ -74,8 +74,8 @@ impl Kernel<'_> {
         })
     }
 
-    /// Blocks of a file may differ from its lines: the tape editor changes them, or a character that ends blocks is
-    /// somewhere in the file.
+    /// Whether blocks of a file may differ from its lines: the tape editor changes them, or a character that ends
+    /// blocks is somewhere in the file.
     #[inline(always)]
     pub(crate) fn is_reshaped(&mut self, source: &Source) -> bool {
         let tape = self.plan.edits.tape.as_ref();
@@ -168,7 +168,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// The block is a line of a file as it was read, and this byte comes up nowhere in the file.
+    /// Whether the block is a line of a file as it was read, and this byte comes up nowhere in the file.
     pub(crate) fn is_line_without(&self, byte: u8) -> bool {
         let source = || self.channel.env.sources.get(self.channel.at.file);
         self.channel.text.edited.is_none() && source().is_some_and(|source| !source.has(byte))

@@ -134,7 +134,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// One of the channel's axes takes words of this register.
+    /// Whether one of the channel's axes takes words of this register.
     fn channel_has(&self, register: RegisterId) -> bool {
         self.channel.state.place.layout.axes.iter().any(|axis| {
             self.channel

@@ -130,7 +130,7 @@ impl Kernel<'_> {
         !reshapes && self.channel.env.trace.is_none()
     }
 
-    /// The line is a statement that was executed before.
+    /// Whether the line is a statement that was executed before.
     #[inline(always)]
     fn executes(&mut self, line: (FileId, u32)) -> bool {
         self.dialect.interpreter.as_deref_mut().is_some_and(|interpreter| interpreter.executes(line))
@@ -244,7 +244,7 @@ impl Kernel<'_> {
         if self.flow.frames.len() > 1 { self.return_from(None) } else { Err(Halt::ProgramEnd(None)) }
     }
 
-    /// One program of all heads has its end code in the last stretch of another head.
+    /// Whether one program of all heads has its end code in the last stretch of another head.
     fn ends_with_another_head(&self) -> bool {
         let whole = self.channel.env.sources.whole(self.channel.at.file).filter(|_| self.flow.frames.len() == 1);
         whole.is_some_and(|whole| sections::ends_for_all(self.channel.env.machine, whole, self.channel.at.channel))
@@ -285,7 +285,7 @@ impl Kernel<'_> {
     }
 }
 
-/// A line that may be a rewind-stop is one.
+/// Whether a line that may be a rewind-stop is one.
 #[inline(never)]
 fn is_stop(text: &[u8], format: &Format) -> bool {
     format.is_rewind_stop(text)

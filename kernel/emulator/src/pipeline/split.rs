@@ -23,7 +23,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// The pre-processor has executed this line of the program before.
+    /// Whether the pre-processor has executed this line of the program before.
     fn is_known_statement(&mut self) -> bool {
         let (line, interpreter) = (self.unchanged_line(), self.dialect.interpreter.as_deref_mut());
         line.zip(interpreter).is_some_and(|(line, interpreter)| interpreter.executes(line))

@@ -30,12 +30,12 @@ impl Channel<'_> {
         self.env.machine.stops_at(facts)
     }
 
-    /// A diagnostic is an alarm of real controls, or of the control of this machine.
+    /// Whether a diagnostic is an alarm of real controls, or of the control of this machine.
     pub(crate) fn is_alarm(&self, facts: &Facts) -> bool {
         self.env.machine.is_alarm(facts)
     }
 
-    /// The machine continues from this alarm.
+    /// Whether the machine continues from this alarm.
     pub(crate) fn goes_on_at(&self, facts: &Facts) -> bool {
         !self.stops_at(facts)
     }

@@ -199,7 +199,7 @@ impl Channel<'_> {
         Shares::of_channels(&self.env.options.limits, self.env.machine.channels.len())
     }
 
-    /// A free data word of one of these registers is in the block.
+    /// Whether a free data word of one of these registers is in the block.
     pub(crate) fn has_any(&self, registers: u128) -> bool {
         self.block.present & registers != 0
     }

@@ -6,7 +6,7 @@ use super::frames::offsets::{EXTENDED, RANGE};
 use counterpoint_machine::Machine;
 use counterpoint_machine::model::OutsideCorner;
 
-/// States that only offsets and macros ask for.
+/// States that only offsets and macros use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Compensation {
     /// Type of length compensation, 1 to 4.

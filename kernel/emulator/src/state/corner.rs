@@ -51,7 +51,7 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    /// Nothing is asked.
+    /// Whether nothing is asked.
     pub(crate) fn is_empty(&self) -> bool {
         self.corner.is_none() && self.angle.is_none() && self.polar.is_none() && self.open.is_none()
     }

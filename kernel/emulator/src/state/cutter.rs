@@ -85,7 +85,7 @@ pub(crate) struct Waiting {
     pub(crate) clock: i64,
     pub(crate) micro: u32,
     pub(crate) exact: bool,
-    /// How it comes to the next move.
+    /// How it approaches the next move.
     pub(crate) end: ContourEnd,
     pub(crate) text: Option<Arc<[u8]>>,
     /// Events that were held back before it.
@@ -143,7 +143,7 @@ impl Stage {
 }
 
 impl Cutter {
-    /// A corner or the end of a line waits for the next move.
+    /// Whether a corner or the end of a line waits for the next move.
     pub(crate) fn is_due(&self) -> bool {
         self.waiting.iter().any(|waiting| waiting.corner.is_some() || waiting.open.is_some())
     }

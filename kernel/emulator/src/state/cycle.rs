@@ -134,7 +134,7 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
-    /// A synchronised tap is in effect.
+    /// Whether a synchronised tap is in effect.
     pub(crate) fn is_rigid(&self) -> bool {
         self.running && HoleCycle::numbered(self.number).is_some_and(HoleCycle::is_rigid)
     }
@@ -221,7 +221,7 @@ impl Cycle {
 }
 
 impl Channel<'_> {
-    /// The active code of the cycle group acts on every position.
+    /// Whether the active code of the cycle group acts on every position.
     pub(crate) fn cycle_repeats(&self) -> bool {
         match self.state.modal.code(group::CYCLE).map(|code| (code, code.kind())) {
             Some((_, CodeKind::Cycle(_))) => !self.state.cycle.activator,

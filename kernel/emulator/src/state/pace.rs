@@ -101,12 +101,12 @@ impl Pace {
         !self.look.is_empty() || self.late != 0 || !self.events.is_empty()
     }
 
-    /// All moves are timed.
+    /// Whether all moves are timed.
     pub(crate) fn is_settled(&self) -> bool {
         self.look.is_empty()
     }
 
-    /// The first move can be timed.
+    /// Whether the first move can be timed.
     pub(crate) fn is_due(&self) -> bool {
         self.look.is_due() || self.stops && !self.look.is_empty()
     }
@@ -123,7 +123,7 @@ impl Pace {
         }
     }
 
-    /// The next move is too far away for the path to continue.
+    /// Whether the next move is too far away for the path to continue.
     pub(crate) fn is_out_of_moves(&self) -> bool {
         self.since > WITHOUT_MOVE
     }

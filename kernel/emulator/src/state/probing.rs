@@ -16,7 +16,7 @@ pub(crate) struct Probing {
 const _: () = assert!(MAX_AXES == 8, "the variables of the end count eight axes");
 
 impl Probing {
-    /// A probing move belongs to this block.
+    /// Whether a probing move belongs to this block.
     pub(crate) fn acts(&self, block: u64) -> bool {
         self.block == block && self.result != 0.0
     }

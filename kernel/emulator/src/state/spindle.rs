@@ -95,7 +95,7 @@ impl Spindles {
     }
 }
 
-/// The machine commands this spindle by codes of its number.
+/// Whether the machine commands this spindle by codes of its number.
 fn has_codes(machine: &Machine, number: u16) -> bool {
     machine.codes.iter().any(|row| {
         row.enable && matches!(row.id.kind(), CodeKind::Spindle { number: of, .. } if of == number && of > 0)

@@ -9,7 +9,7 @@ use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, codes};
 
 impl State {
-    /// The active code of the units: lengths are in the secondary one.
+    /// Whether the active code of the units selects the secondary unit of length.
     pub(crate) fn says_secondary(&self) -> bool {
         let active = self.modal.code(group::UNITS);
         matches!(active, Some(codes::UNITS_SECONDARY | codes::UNITS_SECONDARY_LENGTHS))

@@ -126,7 +126,7 @@ pub(crate) fn words(machine: &Machine, (info, sources): (&Info, SeenSources<'_>)
     found
 }
 
-/// A line has a word outside of comments.
+/// Whether a line has a word outside of comments.
 fn has_word(line: &[u8], word: &[u8]) -> bool {
     let mut deep = 0_u32;
     line.iter().enumerate().any(|(at, byte)| {

@@ -29,7 +29,7 @@ pub(super) fn find<'m>(machine: &'m Machine, name: &str) -> Option<(u16, &'m Wai
     rows.into_iter().find(|(_, row)| row.form.is_none() && row.word.eq_ignore_ascii_case(name))
 }
 
-/// A statement of this row is about axes and spindles.
+/// Whether a statement of this row is about axes and spindles.
 pub(super) fn takes_axes(row: &WaitRow) -> bool {
     row.primitive == Primitive::Lease && row.form.is_none()
 }

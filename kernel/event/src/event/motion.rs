@@ -65,7 +65,8 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// It starts where another one ended: the same numbers bit by bit, which asks less than a comparison of numbers.
+    /// Whether it starts where another one ended: the same numbers bit by bit, which asks less than a comparison of
+    /// numbers.
     #[must_use]
     #[inline(always)]
     pub fn starts_at(&self, end: &Position) -> bool {

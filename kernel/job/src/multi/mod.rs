@@ -277,7 +277,7 @@ impl<'a> Assembly<'a> {
         (kernel, at, reset)
     }
 
-    /// A thread for each kernel; meanwhile this one does something else.
+    /// Runs a thread for each kernel; meanwhile this thread does other work.
     fn together(self, work: Vec<(Start<'_>, Feeds<'_>)>, meanwhile: impl FnOnce()) -> Vec<Lived> {
         let (coordinator, control) = (self.coordinator, self.control);
         std::thread::scope(|scope| {

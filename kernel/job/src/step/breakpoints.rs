@@ -95,12 +95,12 @@ impl Breakpoints {
         })
     }
 
-    /// There are none.
+    /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// A breakpoint is before this block, which may or may not stop the run.
+    /// Whether a breakpoint is before this block, which may or may not stop the run.
     pub(super) fn may_stop_before(&self, seen: &Seen, info: &Info) -> bool {
         self.list.iter().any(|set| match &set.of.spot {
             Spot::Line { file, line } => *line == seen.line && is_file(file, info.file_name(seen.file)),
@@ -205,14 +205,14 @@ fn may_come(wanted: &str, line: u32, info: &Info, machine: &Machine) -> Result<(
     })
 }
 
-/// The same except for blanks and letter case.
+/// Whether both are the same except for blanks and letter case.
 fn is_same(one: &str, other: &str) -> bool {
     let letters = |text: &str| text.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_uppercase()).collect();
     let (one, other): (String, String) = (letters(one), letters(other));
     one == other
 }
 
-/// A wait by its whole text, its mark, its number, or its text without the list of channels.
+/// Whether a text names a wait by its whole text, its mark, its number, or its text without the list of channels.
 fn is_wait(wanted: &str, (text, mark): (&str, &str), number: u32) -> bool {
     let word = text.split([' ', 'P', 'p']).next().unwrap_or("");
     wanted.trim().is_empty()
@@ -222,7 +222,7 @@ fn is_wait(wanted: &str, (text, mark): (&str, &str), number: u32) -> bool {
         || wanted.trim().parse() == Ok(number)
 }
 
-/// A file by its path or the end of it.
+/// Whether a text names a file by its path or the end of it.
 fn is_file(wanted: &str, name: &str) -> bool {
     let end = name.strip_suffix(wanted);
     wanted.is_empty() || end.is_some_and(|before| before.is_empty() || before.ends_with(['/', '\\']))

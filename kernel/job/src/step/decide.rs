@@ -70,7 +70,7 @@ fn passed(goal: &mut Goal, channel: &Channel, first: bool) -> bool {
 }
 
 impl State {
-    /// The channel may begin a block, or is within one.
+    /// Whether the channel may begin a block, or is within one.
     fn may(&self, number: u16) -> bool {
         let Some(channel) = self.channels.iter().find(|channel| channel.number == number) else { return true };
         let held = channel.held && !channel.reset || self.goal == Goal::All && channel.left == 0;

@@ -130,7 +130,7 @@ fn effects(function: &Code) -> Option<Vec<Effect>> {
     all.collect()
 }
 
-/// A register may be read before anything is written to it; at the end of the function, too, if that counts.
+/// Whether a register may be read before anything is written to it; at the end of the function, too, if that counts.
 fn is_read_first(effects: &[Effect], register: Near, end_counts: bool) -> bool {
     // Whether it is written before each form, on every way there; none where no way leads.
     let mut before = vec![None; effects.len()];

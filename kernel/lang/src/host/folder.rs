@@ -288,7 +288,7 @@ impl Folder {
     }
 }
 
-/// A file stored with the machine, by its name.
+/// Whether a name is that of a file stored with the machine.
 #[must_use]
 pub fn stored(path: &str) -> bool {
     path.get(..STORAGE.len()).is_some_and(|start| start.eq_ignore_ascii_case(STORAGE))

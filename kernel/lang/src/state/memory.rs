@@ -145,12 +145,12 @@ impl State {
         self.memory.fresh > self.memory.room
     }
 
-    /// Other macros may run within this one, so the size of its values should be known.
+    /// Whether other macros may run within this one, so the size of its values should be known.
     pub(crate) fn is_vague(&self) -> bool {
         self.memory.fresh > (self.memory.kept / 4).max(WORTH_WEIGHING)
     }
 
-    /// The budget of memory is used up.
+    /// Whether the budget of memory is used up.
     #[must_use]
     pub fn is_over_memory(&self) -> bool {
         self.memory.over.is_some()

@@ -19,7 +19,7 @@ fn shared_place<'a>(state: &'a mut State, host: &'a mut dyn Host, shared: Shared
 }
 
 impl State {
-    /// A shared variable lies in its home.
+    /// Whether a shared variable lies in its home.
     #[inline(always)]
     pub(super) fn is_at_home(&self, shared: u8) -> bool {
         self.objects.at_home >> (shared & 63) & 1 != 0

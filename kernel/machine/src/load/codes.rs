@@ -22,7 +22,7 @@ const CUSTOM_ORDER: u16 = 300;
 /// Systems of G codes that one control may be set to.
 const SYSTEMS: [(&str, &str); 3] = [("A", "A"), ("B", "B"), ("C", "C")];
 
-/// The row belongs to other systems of G codes than that of the machine.
+/// Whether the row belongs to other systems of G codes than that of the machine.
 fn in_other_systems(section: &mut Section<'_>, system: &str) -> bool {
     let Some(systems) = section.texts("systems") else { return false };
     for (name, place) in &systems {

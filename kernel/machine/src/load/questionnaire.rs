@@ -145,8 +145,8 @@ fn add(table: &mut Table, key: &str, made: Vec<Node>) {
     }
 }
 
-/// A row of the file replaces a generated row with the same name, or a generated code row without conditions for the
-/// same word.
+/// Whether a row of the file replaces a generated row with the same name, or a generated code row without conditions
+/// for the same word.
 fn overrides(key: &str, own: &Node, made: &Node) -> bool {
     let (Value::Table(own), Value::Table(made)) = (&own.value, &made.value) else { return false };
     let name = row_name(key, made);

@@ -41,7 +41,7 @@ pub struct Condition {
 const MOST: usize = 60;
 
 impl Condition {
-    /// Nothing is asked.
+    /// Whether nothing is asked.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.present.is_empty() && self.absent.is_empty() && self.steps.is_empty()

@@ -165,7 +165,7 @@ pub struct Named {
 }
 
 impl Macros {
-    /// It is the macro of a code or of data.
+    /// Whether it is the macro of a code or of data.
     pub fn is_named(&self, code: u16) -> bool {
         self.codes.iter().chain(&self.data).any(|named| named.code == code)
     }

@@ -182,7 +182,7 @@ pub struct Sync {
 }
 
 impl Sync {
-    /// Programs can start the programs of other channels.
+    /// Whether programs can start the programs of other channels.
     #[must_use]
     pub fn starts_channels(&self) -> bool {
         self.waits.iter().any(|row| row.act == super::WaitAct::Start)

@@ -49,7 +49,7 @@ pub struct SignalRow {
 }
 
 impl WaitRow {
-    /// Its row in the code table has this form.
+    /// Whether its row in the code table has this form.
     #[must_use]
     pub fn is_of(&self, form: &CodeForm) -> bool {
         self.form.as_ref() == Some(form)

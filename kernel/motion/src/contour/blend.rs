@@ -101,7 +101,7 @@ pub fn resolve(pieces: &[(Element, Option<Cut>)]) -> Result<Vec<Element>, usize>
     Ok(made)
 }
 
-/// Two pieces meet at an angle.
+/// Whether two pieces meet at an angle.
 fn has_corner(first: &Element, second: &Element) -> bool {
     let (before, after) = (first.end(), second.start());
     cross(before, after).abs() > 1e-9 || dot(before, after) < 0.0

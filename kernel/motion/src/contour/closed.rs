@@ -48,7 +48,7 @@ impl Closed {
         &self.elements
     }
 
-    /// It runs clockwise.
+    /// Whether it runs clockwise.
     #[must_use]
     pub fn is_clockwise(&self) -> bool {
         size(&self.elements) < 0.0
@@ -131,7 +131,7 @@ impl Closed {
         self.elements.iter().all(|element| is_clear(element, contours, amount))
     }
 
-    /// A spot lies inside.
+    /// Whether a spot lies inside.
     #[must_use]
     pub fn holds(&self, [along, across]: Spot) -> bool {
         crossings(self.elements.iter(), across).iter().filter(|place| **place < along).count() % 2 == 1

@@ -150,7 +150,7 @@ impl Reach {
     }
 }
 
-/// Two elements are near enough to meet, seen as circles.
+/// Whether two elements are near enough to meet, seen as circles.
 fn may_meet(a: &Element, b: &Element) -> bool {
     let circle = |element: &Element| match &element.arc {
         Some(arc) => (arc.center, arc.radius),

@@ -93,12 +93,12 @@ impl Element {
         (left > NOISE).then_some(left)
     }
 
-    /// The tool is larger than the arc; one of the same radius is in its centre.
+    /// Whether the tool is larger than the arc; one of the same radius is in its centre.
     pub fn is_smaller(&self, side: f64, radius: f64) -> bool {
         self.arc.as_ref().is_some_and(|arc| arc.radius - side * arc.sweep.signum() * radius < -NOISE)
     }
 
-    /// The offset of the arc is not an arc.
+    /// Whether the offset of the arc is not an arc.
     pub fn is_too_small(&self, side: f64, radius: f64) -> bool {
         self.arc.is_some() && self.offset_radius(side, radius).is_none()
     }

@@ -26,7 +26,7 @@ pub(super) fn meetings(a: &Element, b: &Element) -> Vec<Spot> {
     spots
 }
 
-/// A spot of the line or circle is one of the piece.
+/// Whether a spot of the line or circle is one of the piece.
 fn on(piece: &Element, spot: Spot) -> bool {
     match &piece.arc {
         None => (0.0..=1.0).contains(&piece.share(spot)),

@@ -36,7 +36,7 @@ pub(super) fn to_piece(piece: &Element, spot: Spot) -> f64 {
     beside.map_or(ends, |beside| beside.min(ends))
 }
 
-/// A direction from the centre of an arc is one of the arc.
+/// Whether a direction from the centre of an arc is one of the arc.
 fn has(arc: &Arc, direction: Spot) -> bool {
     let way = ((angle([0.0; 2], direction) - arc.start_angle) * arc.sweep.signum()).rem_euclid(TAU);
     way <= arc.sweep.abs() + 1e-12

@@ -9,7 +9,8 @@ use super::corner::{Link, Offset};
 use super::element::{Element, NOISE, Spot, distance};
 use crate::arc::{Arc, by_center};
 
-/// The contour moved square to itself: to the left with a side of +1, to the right with −1. Corners outside stay sharp.
+/// The contour moved perpendicular to itself: to the left with a side of +1, to the right with −1. Outside corners stay
+/// sharp.
 #[must_use]
 pub fn shifted(contour: &[Element], side: f64, amount: f64) -> Option<Vec<Element>> {
     beside(contour, Offset { side, radius: amount, corner: 1, limit: -1.0, shape: None })

@@ -92,7 +92,7 @@ impl Affine {
         rows.into_iter().zip(&self.shift).flat_map(|([x, y, z], shift)| [x, y, z, *shift]).collect()
     }
 
-    /// It only shifts.
+    /// Whether it only shifts.
     pub fn is_shift(&self) -> bool {
         self.linear == Matrix3::identity()
     }
@@ -116,7 +116,7 @@ impl Affine {
         applied(&self.linear, &direction.into()).into()
     }
 
-    /// A coordinate that is there makes one that is not.
+    /// Whether a coordinate that is there makes one that is not.
     pub fn leaves(&self, has: [bool; 3]) -> bool {
         let of = |row: &[f64; 3]| row.iter().zip(has).any(|(part, has)| has && part.abs() > 1e-12);
         let rows: [[f64; 3]; 3] = self.linear.transpose().into();

@@ -89,7 +89,7 @@ impl Default for Beside {
 }
 
 impl Beside {
-    /// Nothing is programmed.
+    /// Whether nothing is programmed.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.parts.iter().all(Option::is_none) && self.added.is_empty()

@@ -90,12 +90,12 @@ impl Default for Local {
 }
 
 impl Local {
-    /// Nothing is programmed.
+    /// Whether nothing is programmed.
     pub fn is_empty(&self) -> bool {
         !self.is_programmed() && self.given.is_none() && self.outer.is_none()
     }
 
-    /// The program has given a part.
+    /// Whether the program has given a part.
     pub fn is_programmed(&self) -> bool {
         self.parts.iter().any(Option::is_some) || !self.added.is_empty()
     }

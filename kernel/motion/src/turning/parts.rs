@@ -138,7 +138,7 @@ impl Parts {
         (0..part).rev().take_while(|&index| falls(index)).last().unwrap_or(part)
     }
 
-    /// No part between these rises.
+    /// Whether no part between these rises.
     pub(super) fn falls(&self, from: usize, to: usize) -> bool {
         let parts = self.all.get(from..=to).unwrap_or_default();
         parts.iter().all(|part| part.to[1] <= part.from[1] + NOISE)

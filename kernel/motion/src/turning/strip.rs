@@ -103,7 +103,7 @@ struct Relief {
 /// Cut after the open levels.
 #[derive(Debug, Clone, Copy)]
 enum Start {
-    /// A level that is continued by those below it.
+    /// A level that is continued by the levels below it.
     Level(Relief),
     /// A section between two places of the contour, below a height.
     Section(Mark, Mark, f64),

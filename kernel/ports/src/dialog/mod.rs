@@ -188,7 +188,8 @@ impl Dialog {
 }
 
 impl Field {
-    /// It takes values: the variable that decides, as it is entered in the same dialog or stands, is set or not.
+    /// Whether it takes values: the variable that decides, as it is entered in the same dialog or stands, is set or
+    /// not.
     fn is_enabled(&self, dialog: &Dialog, answer: &Answer, current: &mut dyn FnMut(&str) -> Option<Value>) -> bool {
         let Some((variable, wanted)) = &self.enabled else { return true };
         let shown = dialog.bound().find(|field| field.variable.eq_ignore_ascii_case(variable));

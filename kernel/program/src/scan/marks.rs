@@ -28,7 +28,7 @@ impl Formula {
         }
     }
 
-    /// A skip character here is a division.
+    /// Whether a skip character here is a division.
     pub(super) fn divides(&self) -> bool {
         self.depth > 0 || self.statement
     }
@@ -91,8 +91,8 @@ impl Scanner {
         found.map(|active| (active, out))
     }
 
-    /// In a line for the pre-processor of another control a skip character divides, unless only the number of the block
-    /// and other marks are before it.
+    /// Whether a skip character divides in a line for the pre-processor of another control. It does unless only the
+    /// number of the block and other marks are before it.
     fn divides(&self, line: &[u8], at: usize) -> bool {
         let leads = |byte: &u8| byte.is_ascii_digit() || b" \t/Nn:".contains(byte);
         !line.get(..at).unwrap_or_default().iter().all(leads)
@@ -127,7 +127,7 @@ impl Scanner {
             let kinds = [(false, &self.comment), (true, &self.message)];
             let kinds = kinds.into_iter().filter_map(|(message, pair)| Some((message, pair.as_ref()?)));
             let starts = |(_, (start, _)): &(bool, &(Vec<u8>, Vec<u8>))| !start.is_empty() && rest.starts_with(start);
-            // Inside brackets of an expression nothing begins.
+            // Nothing starts inside brackets of an expression.
             let found_here =
                 if self.has_custom_macro() && formula.depth > 0 { None } else { kinds.into_iter().find(starts) };
             let Some((message, (start, end))) = found_here else {

@@ -135,7 +135,7 @@ impl Scanner {
         None
     }
 
-    /// A comment starts at this byte of the line.
+    /// Whether a comment starts at this byte of the line.
     pub fn starts_comment(&self, line: &[u8], at: usize) -> bool {
         self.delimiters()
             .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))

@@ -23,7 +23,7 @@ pub(super) struct Tracer {
 }
 
 impl Tracer {
-    /// The line of a block is shown.
+    /// Whether the line of a block is shown.
     pub(super) fn shows(&self, info: &Info, event: &Event) -> bool {
         !self.off && (info.trace.has('Z') || !info.is_stored(event.file))
     }

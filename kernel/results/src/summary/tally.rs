@@ -63,17 +63,17 @@ impl Tally {
         }
     }
 
-    /// Its kernel has had a program before.
+    /// Whether its kernel has had a program before.
     pub fn has_run(&self) -> bool {
         self.end.is_some_and(|(state, _)| state != ChannelState::NotStarted)
     }
 
-    /// Its program has ended or is stopped by an alarm.
+    /// Whether its program has ended or is stopped by an alarm.
     pub fn ended(&self) -> bool {
         matches!(self.end, Some((ChannelState::Ended | ChannelState::Alarmed, _)))
     }
 
-    /// A program that has begun and, by the state of its channel, did not reach its end.
+    /// Whether a program has begun and, by the state of its channel, did not reach its end.
     pub fn is_cut_short(&self, state: ChannelState) -> bool {
         self.begun && matches!(state, ChannelState::Alarmed | ChannelState::Blocked | ChannelState::Stopped)
     }

@@ -200,7 +200,7 @@ fn a_wait_that_another_channel_ends_joins_both_and_one_passed_alone_has_a_mark()
     assert_eq!(texts, ["P15", "P25"]);
 }
 
-/// No mark lies over another one.
+/// Whether no mark lies over another one.
 fn apart(marks: &[(f64, f64, String, f64)]) -> bool {
     let over = |one: &(f64, f64, String, f64), other: &(f64, f64, String, f64)| {
         one.0 < other.0 + other.1 && other.0 < one.0 + one.1 && (one.3 - other.3).abs() < 16.0

@@ -8,7 +8,7 @@ use super::switch::Switch;
 use super::{Coordinator, Guard, Inner};
 
 impl Coordinator {
-    /// Some other kernel waits for a permit and is before `t`.
+    /// Whether some other kernel waits for a permit and is before `t`.
     pub fn should_yield(&self) -> bool {
         self.limited && self.waiting_permits.load(SeqCst) > 0
     }

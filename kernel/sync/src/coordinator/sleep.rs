@@ -1,4 +1,4 @@
-//! How a kernel waits for another one: spinning, giving the processor away, sleeping.
+//! How a kernel waits for another kernel: spinning, giving the processor away, sleeping.
 //!
 //! Invariant: signals are given under the coordinator's lock, so none is lost between the last look and the sleep.
 
@@ -65,7 +65,7 @@ impl Coordinator {
         }
     }
 
-    /// The kernel waits for a signal that has not come yet.
+    /// Whether the kernel waits for a signal that has not come yet.
     pub fn sleeps(&self, channel: u16) -> bool {
         self.slot(channel).is_some_and(|slot| slot.asleep.load(SeqCst))
     }

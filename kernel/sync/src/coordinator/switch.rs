@@ -33,7 +33,7 @@ pub enum Switch<'a> {
     Coroutine(&'a Yielder<(), Pause>),
 }
 
-/// There is nothing to do meanwhile.
+/// Whether there is nothing to do meanwhile.
 fn no_work<S>(_: &mut S, _: bool) -> bool {
     false
 }
@@ -90,7 +90,7 @@ impl<'a> Port<'a> {
         Waiter { channel, switch: self.switch, state, flush, work }
     }
 
-    /// Lets all other kernels come up to `tag`, if this one is free to wait.
+    /// Lets all other kernels advance to `tag`, if this kernel is free to wait.
     pub fn catch_up(self, tag: Tag) {
         if self.core.is_free(tag.channel) {
             let _ = self.enter(tag, &mut (), |()| ());

@@ -3,7 +3,7 @@
 use super::Scene;
 use crate::wait::{Missing, Places, Set, Wait};
 
-/// Both belong to one sync point.
+/// Whether both belong to one sync point.
 fn matches(one: &Wait, other: &Wait) -> bool {
     one.primitive == other.primitive && one.key == other.key && one.parts == other.parts
 }

@@ -53,7 +53,7 @@ pub(super) struct Signals {
     letters: BTreeMap<u16, Vec<Letter>>,
 }
 
-/// Any sender will do.
+/// Whether any sender will do.
 fn takes_any(wait: &Wait) -> bool {
     wait.need != 0
 }
@@ -136,7 +136,7 @@ impl Signals {
         Missing::all(senders(channel, wait, to_itself).iter().filter(|&sender| !has(sender)).collect())
     }
 
-    /// A signal that all share is left for this channel, after those that have waited longer.
+    /// Whether a signal that all share is left for this channel, after those that have waited longer.
     fn is_open(&self, channel: u16, key: Key) -> bool {
         let Some(open) = self.open.get(&key) else { return false };
         let queue = self.queues.get(&key).map_or(&[][..], Vec::as_slice);

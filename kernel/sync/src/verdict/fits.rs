@@ -173,7 +173,7 @@ fn plain(line: &str, style: Style) -> String {
     out
 }
 
-/// Channels wait at it for each other, so that two numbers may be one by mistake.
+/// Whether channels wait at it for each other, so that two numbers may be one by mistake.
 fn is_mark(primitive: Primitive) -> bool {
     match primitive {
         Primitive::Barrier | Primitive::Flag | Primitive::Count | Primitive::Signal => true,

@@ -252,7 +252,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     ((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])).sqrt()
 }
 
-/// A linear axis out of the plane moves too.
+/// Whether a linear axis out of the plane moves too.
 fn rises(act: &Act<'_, '_>, flat: &Flat, from: &Position, to: &Position) -> bool {
     let axes = act.state.place.layout.axes.entries();
     axes.filter(|(slot, axis)| !flat.axes.contains(slot) && !axis.rotary).any(|(slot, _)| from.at(slot) != to.at(slot))

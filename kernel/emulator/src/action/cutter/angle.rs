@@ -22,7 +22,7 @@ const PARALLEL: f64 = 0.017_452;
 const OFF: f64 = 0.01;
 
 impl Act<'_, '_> {
-    /// The line of this block gets its end from the next one.
+    /// Whether the line of this block gets its end from the next one.
     pub(in crate::action) fn opens_line(&mut self) -> bool {
         self.cutter().is_some_and(|cutter| cutter.asked.open.is_some())
     }
@@ -81,8 +81,8 @@ impl Act<'_, '_> {
         (coded, target)
     }
 
-    /// The end of the block's move is given by its distance and angle from the pole, which is the centre of a circle
-    /// without another centre.
+    /// Whether the end of the block's move is given by its distance and angle from the pole, which is the centre of a
+    /// circle without another centre.
     pub(in crate::action) fn ends_by_pole(&mut self) -> bool {
         self.cutter().is_some_and(|cutter| cutter.asked.polar.is_some())
     }

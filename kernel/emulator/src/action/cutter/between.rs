@@ -55,13 +55,13 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
     act.flush_lookahead()
 }
 
-/// Positions of the machine frame are those of the tool, beside which compensation stays active.
+/// Whether positions of the machine frame are those of the tool, beside which compensation stays active.
 fn stays_in_machine_frame(act: &Act<'_, '_>) -> bool {
     act.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added
 }
 
-/// Calls and returns are statements of the program's flow, as those of custom macros; they are no blocks without a
-/// move.
+/// Whether calls and returns are statements of the program's flow, as those of custom macros; they are no blocks
+/// without a move.
 fn leads_on(code: CodeId) -> bool {
     matches!(code, codes::CALSUB_ID | codes::CALSUB_RANGE | codes::CALSUB_RETURN)
 }
@@ -82,7 +82,7 @@ fn too_many(act: &mut Act<'_, '_>, most: u32) {
     act.diagnose(&diag::EMPTY_BLOCKS, text);
 }
 
-/// A code in a block without a move, after the block of a corner, that is neither a dwell nor a call.
+/// Whether a code in a block without a move, after the block of a corner, is neither a dwell nor a call.
 fn parts_corner(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> bool {
     let (blocks, moves) = (act.at.blocks, act.has_motion_word());
     let due = act.cutter().filter(|cutter| cutter.is_due());

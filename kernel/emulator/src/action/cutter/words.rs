@@ -12,7 +12,7 @@ use crate::act::Act;
 use crate::state::corner::{Asked, Corner, Side};
 use crate::state::modal::group;
 
-/// A move has words of corners or angles in its block.
+/// Whether a move has words of corners or angles in its block.
 #[inline(always)]
 pub(in crate::action) fn has_words(act: &Act<'_, '_>, code: CodeId) -> bool {
     let registers = act.contour_registers();
@@ -53,7 +53,7 @@ pub(in crate::action) fn with_words<'a, 'k>(
     act.check_stop()
 }
 
-/// Other codes of the block ignore all these words (`G40 I K`): they are neither corners nor angles.
+/// Whether other codes of the block ignore all these words (`G40 I K`): they are neither corners nor angles.
 fn only_ignored(act: &Act<'_, '_>, code: CodeId) -> bool {
     let registers = act.contour_registers();
     let registers = if matches!(code, codes::INTERP_LINEAR | codes::RAPID) { registers.line } else { registers.arc };

@@ -66,7 +66,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
     holes(act, kind, &words)
 }
 
-/// The code that executes the cycle that was defined before.
+/// Executes the cycle that was defined before.
 pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     if code.modal && !has_position(act) {
         return Ok(());
@@ -95,7 +95,7 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     super::mode::mode(act, "cycle off")
 }
 
-/// The cycle is over, and with it the taps that a code has made rigid.
+/// Ends the cycle, and with it the taps that a code has made rigid.
 fn end(act: &mut Act<'_, '_>) {
     act.state.cycle.end();
     end_rigid(act);
@@ -141,7 +141,7 @@ fn not_cancelled(act: &mut Act<'_, '_>) {
     act.diagnose(&diag::CYCLE_NOT_CANCELLED, text);
 }
 
-/// Words of a position or a height are free in the block.
+/// Whether words of a position or a height are free in the block.
 fn has_position(act: &Act<'_, '_>) -> bool {
     act.has_motion_word() || !act.block.added.is_empty()
 }

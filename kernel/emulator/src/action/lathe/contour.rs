@@ -151,7 +151,7 @@ fn other(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     Ok(())
 }
 
-/// A code of the plane that the contour is in already, as editors of contours write it.
+/// Whether a code selects the plane that the contour is already in, as editors of contours write it.
 fn keeps_plane(act: &Act<'_, '_>, id: CodeId) -> bool {
     let (Some(own), Some(new)) = (act.state.others.turning.reading.plane, act.active_plane()) else { return false };
     plane(id).is_some() && own.axes == new.axes

@@ -97,7 +97,7 @@ impl Kernel<'_> {
         false
     }
 
-    /// A word of the block may call a program by itself, here or elsewhere.
+    /// Whether a word of the block may call a program by itself, here or elsewhere.
     #[cold]
     pub(crate) fn calls_by_words(&self) -> bool {
         let Some(calls) = self.plan.code_calls.as_deref() else { return false };
@@ -114,7 +114,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// A word of this kind calls in the program that runs.
+    /// Whether a word of this kind calls in the program that runs.
     fn may_call(&self, kind: WordKind) -> bool {
         let mut callers = self.flow.frames.iter().filter_map(|frame| frame.by);
         match self.channel.env.machine.subprograms.nested {

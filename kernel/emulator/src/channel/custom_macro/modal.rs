@@ -92,7 +92,7 @@ impl Kernel<'_> {
         call
     }
 
-    /// A G word of the block calls by itself.
+    /// Whether a G word of the block calls by itself.
     pub(super) fn has_own_call(&self) -> bool {
         let calls = |value| self.dialect.kind.macro_call(value).is_some_and(|call| call != MacroCall::End);
         let is_call = |word: &Word| Some(word.register) == self.plan.registers.g && calls(word.value);
@@ -126,7 +126,7 @@ impl Kernel<'_> {
         self.flow.modal.calling = self.acting_modal();
     }
 
-    /// The words of this block are the arguments of a modal call.
+    /// Whether the words of this block are the arguments of a modal call.
     #[inline(always)]
     pub(crate) fn calls_each_block(&self) -> bool {
         !self.flow.modal.is_empty() && self.is_argument_block()

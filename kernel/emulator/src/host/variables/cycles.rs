@@ -39,7 +39,7 @@ fn number(value: &Value) -> f64 {
     real(value).unwrap_or(0.0)
 }
 
-/// A height keeps being a position or a distance.
+/// The changed height; it remains a position or a distance.
 fn changed(old: Option<Height>, value: &Value) -> Option<Height> {
     let relative = old.is_some_and(|height| height.relative);
     real(value).map(|value| Height { value, relative })

@@ -98,7 +98,7 @@ impl Frames {
             && self.shifts.is_none()
     }
 
-    /// A local frame is programmed and not switched off.
+    /// Whether a local frame is programmed and not switched off.
     pub(crate) fn is_on(&self) -> bool {
         self.local.is_on() || self.beside.as_deref().is_some_and(Beside::is_on)
     }

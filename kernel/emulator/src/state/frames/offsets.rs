@@ -61,12 +61,12 @@ pub(crate) enum Radii {
 }
 
 impl Offsets {
-    /// A value of the tool offset has been set.
+    /// Whether a value of the tool offset has been set.
     pub(crate) fn has_tool(&self, number: u32) -> bool {
         self.length.contains_key(&number) || self.radius.contains_key(&number)
     }
 
-    /// A work offset has been set.
+    /// Whether a work offset has been set.
     pub(crate) fn has_work(&self, number: u32) -> bool {
         self.work.contains_key(&number)
     }

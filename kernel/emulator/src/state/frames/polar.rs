@@ -93,7 +93,7 @@ impl Polar {
         Self { linear, rotary, cartesian, shape }
     }
 
-    /// It is that of a cylinder.
+    /// Whether it is that of a cylinder.
     pub(crate) fn is_cylinder(&self) -> bool {
         matches!(self.shape, Shape::Cylinder { .. })
     }

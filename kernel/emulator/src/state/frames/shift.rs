@@ -116,7 +116,7 @@ impl Channel<'_> {
         turned
     }
 
-    /// The tool word carries the offset number.
+    /// Whether the tool word carries the offset number.
     pub(crate) fn is_turning(&self) -> bool {
         self.env.machine.tool.offset_digits > 0
     }

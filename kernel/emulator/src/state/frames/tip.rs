@@ -55,7 +55,7 @@ impl Default for Settings {
     }
 }
 
-/// The axis turns the part.
+/// Whether the axis turns the part.
 fn is_table(id: DataId) -> bool {
     [data::AXIS_AT, data::AXIS_BT, data::AXIS_CT, data::AXIS_CT2].contains(&id)
 }
@@ -134,7 +134,7 @@ impl Channel<'_> {
         self.state.place.frames.as_deref().and_then(|frames| frames.tip.as_deref())
     }
 
-    /// The channel has axes that tilt the tool.
+    /// Whether the channel has axes that tilt the tool.
     pub(crate) fn can_tilt(&self) -> bool {
         self.chain().is_possible() && !self.state.place.has_axes().contains(&false)
     }
@@ -220,7 +220,7 @@ impl Channel<'_> {
         solution.iter().map(|(axis, angle)| (angle.unwrap_or(0.0) - at(&self.state.place.position, *axis)).abs()).sum()
     }
 
-    /// The axes stay within their limits.
+    /// Whether the axes stay within their limits.
     pub(crate) fn within(&self, solution: &Angles<AxisSlot>) -> bool {
         solution.iter().all(|(axis, angle)| {
             let machine = angle.unwrap_or(0.0) + at(&self.state.place.shift, *axis);

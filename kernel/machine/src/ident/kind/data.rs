@@ -29,7 +29,7 @@ pub enum DataKind {
 }
 
 impl DataKind {
-    /// The position of an axis.
+    /// Whether this is the position of an axis.
     #[must_use]
     pub fn is_axis(self) -> bool {
         matches!(self, Self::Axis(_))

@@ -18,7 +18,7 @@ const BELOW: f64 = 3.0;
 /// Least length of a part, px.
 const SHORTEST: f64 = 0.5;
 
-/// Channels wait for each other, so there is a path to show.
+/// Whether channels wait for each other, so there is a path to show.
 pub(super) fn is_shown(timeline: &Timeline) -> bool {
     timeline.waits.iter().any(|point| point.release_ns.is_some() && point.arrivals.len() > 1 || point.by != 0)
 }

@@ -84,7 +84,7 @@ pub(super) fn draw<'c>(
     }
 }
 
-/// The path has a hole, for the legend.
+/// Whether the path has a hole, for the legend.
 pub(super) fn has_any(path: &Path) -> bool {
     !holes(path).is_empty()
 }

@@ -53,7 +53,7 @@ impl Cutter {
         self.moves = 0;
     }
 
-    /// The pieces are worth pointing at.
+    /// Whether the pieces are worth pointing at.
     fn visible(&self) -> bool {
         self.pens.iter().map(|(_, pen)| pen.way()).sum::<f64>() >= LEAST
     }

@@ -23,7 +23,7 @@ const AXES: [usize; 2] = [0, 2];
 /// Words for the place of a thread: start and end as programmed, offset of the start, taper.
 pub(super) type Said = ([Option<f64>; 2], [Option<f64>; 2], [Option<f64>; 2], f64);
 
-/// A position of a thread is in the block.
+/// Whether a position of a thread is in the block.
 pub(super) fn positioned(act: &Act<'_, '_>) -> bool {
     let own = [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z];
     let axes = AXES.into_iter().filter_map(|role| act.state.place.layout.cartesian.get(role).copied().flatten());
