@@ -90,7 +90,7 @@ pub trait Programs {
     /// Counts work on so many elements within a block.
     ///
     /// # Errors
-    /// Reports whether the job is to end, or a limit is reached.
+    /// When the job is to end, or a limit is reached.
     fn work(&mut self, elements: usize) -> Acted;
 
     /// Simulated time, ns.

@@ -298,7 +298,7 @@ impl Isg {
     }
 }
 
-/// The head of a program: execution does not run into the next program.
+/// At the head of a second program, goes to the end: execution does not run into the next program.
 fn program_head(host: &mut dyn Host) -> Outcome<()> {
     let place = host.place();
     let source = host.source(place.file);

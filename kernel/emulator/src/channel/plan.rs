@@ -246,7 +246,7 @@ fn recall(machine: &Machine) -> Option<Table<DataId, bool>> {
     recall.iter().any(|recalled| *recalled).then_some(recall)
 }
 
-/// Data that are required by every action; others have a second form or a default.
+/// Data that every request needs; other data have a second form or a default without the word.
 pub(crate) const NEEDED: [DataId; 24] = [
     data::SPINDLE_RPM,
     data::SPINDLE_CSS,
