@@ -98,7 +98,7 @@ async fn attend(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     }
 }
 
-/// Steps through a job until it ends; an interrupt pauses a job that runs, and ends the command if it stands.
+/// Steps through a job until it ends; an interrupt pauses a running job, and ends the command if it stands.
 async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let (client, job) = connected(&arguments).await?;
     let (stepper, interrupt) = (Stepper::start(&client, &job).await?, Interrupt::default());

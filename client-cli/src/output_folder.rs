@@ -114,7 +114,7 @@ impl OutputFolder<'_> {
     }
 }
 
-/// The timeline of a job as text of so many columns.
+/// The timeline of a job as text of this many columns.
 pub(crate) async fn drawn_timeline(client: &Client, job: &str, width: usize) -> Result<String, Error> {
     let json = results::whole(client, job, ResultKind::Timeline, 0, Format::Json.into()).await?;
     let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();

@@ -96,7 +96,7 @@ impl Sink for Results {
     }
 }
 
-/// Allocations of a run with so many passes.
+/// Allocations of a run with this many passes.
 fn allocations(machine_name: &str, overlay: &str, file: &str, program: &str, passes: usize) -> usize {
     let mut files = Memory::default();
     files.insert(file, program.replace("{n}", &passes.to_string()));

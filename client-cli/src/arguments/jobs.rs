@@ -32,7 +32,7 @@ pub(crate) enum Priority {
 /// A time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum When {
-    /// So many milliseconds from or before now.
+    /// This many milliseconds from or before now.
     Span(i64),
     /// Milliseconds since 1970.
     At(i64),

@@ -124,7 +124,7 @@ pub(super) fn nearest(machine: &Machine, word: &str) -> Option<String> {
     let mut names: Vec<String> = written.filter(|word| word != "-").collect();
     names.extend(machine.storage.iter().filter_map(|file| programs::stem(&file.path).map(str::to_uppercase)));
     let word = word.to_uppercase();
-    // A nearby number is not a typing error.
+    // A nearby number does not count as a typing error.
     let plain = word.chars().skip(1).all(|c| c.is_ascii_digit() || c == '.');
     if plain {
         return None;

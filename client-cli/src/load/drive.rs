@@ -24,9 +24,9 @@ const MOST_OPEN: u64 = 10_000;
 /// How jobs become due.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Pace {
-    /// So many a second.
+    /// This many a second.
     Rate(f64),
-    /// When one of so many callers is free.
+    /// When one of this many callers is free.
     Callers(usize),
 }
 

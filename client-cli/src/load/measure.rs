@@ -99,7 +99,7 @@ pub(super) struct Second {
     pub(super) process: Option<Sample>,
 }
 
-/// Counts, of a second or of the whole.
+/// Counts of one second or of the whole load.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Counts {
     pub(super) submitted: u64,

@@ -84,7 +84,7 @@ impl<T> CallStack<T> {
         self.called.iter().rposition(|called| !called.part).map_or(0, |at| at + 1)
     }
 
-    /// Level of the program that runs.
+    /// Level of the running program.
     pub fn program(&self) -> &T {
         self.at(self.program_depth()).unwrap_or(&self.main)
     }

@@ -89,7 +89,7 @@ impl<L> Kept<L> {
         }
     }
 
-    /// Keeps a line whose text has so many bytes.
+    /// Keeps a line whose text has this many bytes.
     pub(crate) fn insert(&mut self, key: Key, line: &Arc<L>, text: usize) {
         let size = LINE + text * PER_BYTE;
         if self.bytes + size > MOST {

@@ -244,7 +244,7 @@ impl Act<'_, '_> {
         self.kernel.spindle_speed()
     }
 
-    /// Records that the time of a block of so many seconds, which begins now, uses the spindle speed known now.
+    /// Records that the time of a block of this many seconds, which begins now, uses the spindle speed known now.
     pub(crate) fn assume_speed(&mut self, seconds: f64) {
         self.kernel.assume_speed(seconds);
     }

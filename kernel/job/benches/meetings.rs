@@ -44,7 +44,7 @@ fn many(channels: usize) -> Arc<Machine> {
     Arc::new(loaded.machine.expect("a machine of many channels"))
 }
 
-/// Times without accelerations, so many threads.
+/// Times without accelerations, this many threads.
 fn threads(threads: u16) -> Options {
     Options { threads, time: TimeModel::Simple, ..Options::default() }
 }
@@ -178,7 +178,7 @@ fn main() {
         }
         return;
     }
-    // A number is that of channels: their meetings only.
+    // A number argument means a number of channels: only their meetings are measured.
     if let Some(channels) = std::env::args().find_map(|argument| argument.parse().ok()) {
         meetings(&[channels]);
         return;

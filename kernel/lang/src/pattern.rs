@@ -195,7 +195,7 @@ impl Pattern {
         edit::replace(self, text, (with, which), usize::MAX, &mut STEPS.clone())
     }
 
-    /// The same within a budget of steps, for a result of at most so many bytes.
+    /// The same within a budget of steps, for a result of at most this many bytes.
     ///
     /// # Errors
     /// The step budget is used up, or the result is too long.
@@ -238,7 +238,7 @@ impl Pattern {
         edit::split(self, text, (limit, usize::MAX), &mut STEPS.clone())
     }
 
-    /// The same within a budget of steps, into so many pieces at most.
+    /// The same within a budget of steps, into this many pieces at most.
     ///
     /// # Errors
     /// The step budget is used up, or there are more pieces.

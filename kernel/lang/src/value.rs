@@ -132,7 +132,7 @@ impl Kind {
         Kind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// Value a declared variable of this type starts with.
+    /// Initial value of a declared variable of this type.
     #[must_use]
     pub fn initial(self) -> Value {
         match self {

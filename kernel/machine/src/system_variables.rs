@@ -45,7 +45,7 @@ pub enum Means {
     Address(Vec<u8>),
     /// A position or a value for each axis of the channel, or for these of X, Y and Z.
     Position(Frame, Option<Vec<u8>>),
-    /// Work offsets from this number on, with so many numbers each.
+    /// Work offsets from this number on, with this many numbers each.
     WorkOffset {
         /// Number of the first one, 0 for the external one.
         from: u32,

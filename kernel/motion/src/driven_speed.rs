@@ -41,13 +41,13 @@ impl DrivenSpeed {
         from + (to - from) * share
     }
 
-    /// Speed in rev/min so many minutes after the start of the move.
+    /// Speed in rev/min this many minutes after the start of the move.
     #[must_use]
     pub fn rpm(&self, elapsed: f64) -> f64 {
         self.speed.rpm(self.radius(self.share(elapsed)))
     }
 
-    /// Minutes of so many revolutions that start so many minutes after the start of the move.
+    /// Minutes of this many revolutions that start this many minutes after the start of the move.
     #[must_use]
     pub fn minutes_of(&self, elapsed: f64, revolutions: f64) -> f64 {
         let begin = self.share(elapsed);
@@ -60,7 +60,7 @@ impl DrivenSpeed {
         self.elapsed(end) - self.elapsed(begin)
     }
 
-    /// Share of the move that is complete after so many minutes.
+    /// Share of the move that is complete after this many minutes.
     fn share(&self, elapsed: f64) -> f64 {
         if elapsed <= 0.0 {
             0.0

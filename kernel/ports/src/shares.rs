@@ -18,7 +18,7 @@ pub struct Shares {
 }
 
 impl Shares {
-    /// The shares of a job with so many kernels.
+    /// The shares of a job with this many kernels.
     #[must_use]
     pub fn of(limits: &Limits, kernels: usize) -> Self {
         let common = limits.memory / 4;

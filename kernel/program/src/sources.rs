@@ -17,7 +17,7 @@ type Slot = OnceLock<Option<Arc<Source>>>;
 pub struct Sources(Vec<Vec<Slot>>);
 
 impl Sources {
-    /// No files yet, for so many readers.
+    /// No files yet, for this many readers.
     pub(super) fn new(readers: usize) -> Self {
         Self(vec![Vec::new(); readers.max(1)])
     }

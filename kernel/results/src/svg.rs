@@ -38,7 +38,7 @@ pub(crate) fn width(text: &str, size: u8) -> f64 {
     text.chars().count() as f64 * f64::from(size) * 0.62
 }
 
-/// A text of at most so many pixels, cut with an ellipsis; empty when not even two letters fit.
+/// A text of at most this many pixels, cut with an ellipsis; empty when not even two letters fit.
 pub(crate) fn fit(text: &str, size: u8, room: f64) -> String {
     if width(text, size) <= room {
         return text.to_owned();

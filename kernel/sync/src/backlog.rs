@@ -131,7 +131,7 @@ impl Backlog {
         }
     }
 
-    /// Puts a chunk with so many bytes of texts off.
+    /// Puts a chunk with this many bytes of texts off.
     pub fn put(&mut self, chunk: Chunk, texts: usize) {
         if chunk.is_empty() {
             return self.return_chunk(chunk);

@@ -12,7 +12,7 @@ pub struct Hoard {
 }
 
 impl Hoard {
-    /// Counts a change that adds so many bytes at most; true if all together is more than `limit`.
+    /// Counts a change that adds this many bytes at most; true if all together is more than `limit`.
     pub fn grown(&mut self, bytes: usize, limit: u64, weigh: impl FnOnce() -> u64) -> bool {
         self.fresh += bytes as u64;
         if self.kept + self.fresh <= limit {

@@ -53,7 +53,7 @@ impl<'a> Stream<'a> {
         }
     }
 
-    /// Sends the first `count` events of a chunk, with so many bytes of texts; no later event is before `upto`. The
+    /// Sends the first `count` events of a chunk, with this many bytes of texts; no later event is before `upto`. The
     /// chunk may be replaced by another one of any length, whose events are overwritten.
     pub fn send(&mut self, chunk: &mut Vec<Event>, (count, texts): (usize, usize), upto: Tag, coordinator: Port<'_>) {
         let events = chunk.get(..count).unwrap_or_default();

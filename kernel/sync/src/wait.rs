@@ -392,7 +392,7 @@ pub struct Places {
     channels: Channels,
     waiting: Vec<Option<Waiting>>,
     finished: Vec<Option<Finish>>,
-    /// Channels without a program that runs, which others may start.
+    /// Channels without a running program, which others may start.
     idle: Set,
     /// The wait that each channel has passed last, and when it continued.
     passed: Vec<Option<(Waiting, i64)>>,
@@ -462,7 +462,7 @@ impl Places {
         self.waiting.get_mut(self.channels.index(channel)).and_then(Option::take)
     }
 
-    /// Channels without a program that runs, which others may start.
+    /// Channels without a running program, which others may start.
     pub(crate) fn idle(&self) -> Set {
         self.idle
     }

@@ -14,9 +14,9 @@ use prometheus_client::metrics::counter::Counter;
 pub enum Step {
     /// It is created.
     Create,
-    /// So many bytes are written.
+    /// This many bytes are written.
     Write(usize),
-    /// Its length is set to so many bytes.
+    /// Its length is set to this many bytes.
     Resize(u64),
     /// It is made durable.
     Sync,

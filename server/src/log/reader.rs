@@ -241,7 +241,7 @@ pub(crate) mod tests {
     use crate::log::codec_tests;
     use crate::log::{BATCH_EVENTS, encode};
 
-    /// A plain log of so many events.
+    /// A plain log of this many events.
     pub(crate) fn plain(events: u64) -> Vec<u8> {
         let description = JobDescription::default().encode_to_vec();
         let mut log = MAGIC.to_vec();

@@ -330,7 +330,7 @@ mod tests {
     use super::*;
     use crate::log::reader::tests::plain;
 
-    /// A log of so many events and its compressed form.
+    /// A log of this many events and its compressed form.
     fn both(events: u64) -> (Vec<u8>, Vec<u8>) {
         let (plain, mut packed) = (plain(events), Vec::new());
         assert_eq!(pack(&mut plain.as_slice(), &mut packed).unwrap(), packed.len() as u64);

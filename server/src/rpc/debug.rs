@@ -1,7 +1,7 @@
 //! Call `Operator.Debug`: one client that steps through one job.
 //!
-//! Invariant: at most so many commands are in progress, and each has one answer, so a client that sends without reading
-//! holds back itself and nothing else.
+//! Invariant: at most this many commands are in progress, and each has one answer, so a client that sends without
+//! reading holds back itself and nothing else.
 
 use std::sync::Arc;
 

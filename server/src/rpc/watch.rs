@@ -36,7 +36,7 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(100);
 const HEARTBEAT_MS: u32 = 5_000;
 /// Intervals that it may ask for, ms.
 const HEARTBEATS_MS: RangeInclusive<u32> = 100..=60_000;
-/// Bytes read from the log at once: at first, and for a client that has kept pace for so many reads.
+/// Bytes read from the log at once: at first, and for a client that has kept pace for this many reads.
 const FIRST_PULL: usize = 32 * 1024;
 const PULL: usize = 256 * 1024;
 const PACE: u32 = 8;
@@ -311,12 +311,12 @@ fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
     Ok(Arc::new(live))
 }
 
-/// Bytes to be read at once after so many reads for a client that has kept pace.
+/// Bytes to be read at once after this many reads for a client that has kept pace.
 fn most(kept_pace: u32) -> usize {
     FIRST_PULL.saturating_mul(1 << kept_pace.saturating_sub(PACE - 1).min(16)).min(PULL)
 }
 
-/// Reads so many bytes of batches. For a client that may be slow, none of them holds more of the log than itself, and
+/// Reads this many bytes of batches. For a client that may be slow, none of them holds more of the log than itself, and
 /// the reader holds next to nothing.
 fn pull(mut reader: Reader, most: usize, slow: bool) -> Result<(Reader, Vec<Batch>), Refusal> {
     let (mut batches, mut bytes) = (Vec::new(), 0);

@@ -46,7 +46,7 @@ fn identity(path: &Path) -> io::Result<Identity> {
 
 struct State {
     random: Random,
-    /// Of a thousand steps so many fail.
+    /// Of a thousand steps this many fail.
     permille: u64,
     steps: u64,
     failed: u64,
@@ -77,12 +77,12 @@ impl BadDisk {
         Self { state: Mutex::new(state), remembers }
     }
 
-    /// Lets so many of a thousand steps fail from now on.
+    /// Lets this many of a thousand steps fail from now on.
     pub fn fail(&self, permille: u64) {
         self.state.lock().unwrap().permille = permille;
     }
 
-    /// Lets the power fail after so many more steps.
+    /// Lets the power fail after this many more steps.
     pub fn lose_power_after(&self, steps: u64) {
         let mut state = self.state.lock().unwrap();
         state.power_until = state.steps + steps;

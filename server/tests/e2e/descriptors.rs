@@ -62,7 +62,7 @@ impl Process {
         panic!("the server never said '{with}'");
     }
 
-    /// Lets the process have so many descriptors beyond those that it has; returns the limit before.
+    /// Lets the process have this many descriptors beyond those that it has; returns the limit before.
     fn limit(&self, spare: u64) -> Rlimit {
         let open = std::fs::read_dir(format!("/proc/{}/fd", self.child.id())).unwrap().count() as u64;
         let pid = Pid::from_raw(i32::try_from(self.child.id()).unwrap());

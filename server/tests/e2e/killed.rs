@@ -20,7 +20,7 @@ use tonic::transport::{Channel, Endpoint};
 use crate::bad_disk::{BadDisk, Random};
 use crate::support::*;
 
-/// The data folder of [`serve`], and of a thousand steps of its disk so many fail.
+/// The data folder of [`serve`], and of a thousand steps of its disk this many fail.
 const FOLDER: &str = "COUNTERPOINT_TEST_FOLDER";
 const FAULTS: &str = "COUNTERPOINT_TEST_FAULTS";
 

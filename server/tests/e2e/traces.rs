@@ -28,7 +28,7 @@ impl Write for Lines {
 }
 
 impl Lines {
-    /// The span of a job after so many runs of it.
+    /// The span of a job after this many runs of it.
     async fn span(&self, job: &str, runs: usize) -> String {
         let start = format!("job{{id=\"{job}\" tenant=\"default\" attempt=1 ");
         for _ in 0..2000 {

@@ -35,7 +35,7 @@ enum Way {
     Breakpoints,
     /// A thread that looks at the progress again and again.
     Watcher,
-    /// So many threads.
+    /// This many threads.
     Threads(u16),
 }
 

@@ -57,7 +57,7 @@ CLOSE/20
 OUTPUT
 ";
 
-/// A lathe of so many channels with one axis each.
+/// A lathe of this many channels with one axis each.
 pub fn machine(channels: u16) -> Arc<Machine> {
     let mut text = format!(
         "extends = \"fanuc-turning\"\n[ce]\nname = \"kernels\"\n\n[variables]\nshared = [[100, 199], [500, 999]]\nchannel = []\n\n{WORDS}"

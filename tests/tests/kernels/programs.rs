@@ -33,7 +33,7 @@ pub enum Step {
     /// Looks at a shared variable every so many milliseconds until it is 1; 0: as fast as it can.
     Poll(u32, u64),
     Loop(u64, Vec<Step>),
-    /// A subprogram, so many times.
+    /// A subprogram, this many times.
     Call(u64, Vec<Step>),
     /// Data outside any model: text of a block.
     Other(String),

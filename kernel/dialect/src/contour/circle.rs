@@ -7,7 +7,7 @@ pub(crate) fn angle_between(from: f64, to: f64, clockwise: bool) -> f64 {
     if (1e-9..=360.0 - 1e-9).contains(&way) { way } else { 360.0 }
 }
 
-/// Parts of the path, up to 1, at which the equal pieces of an arc of so many degrees end; none of them has more than
+/// Parts of the path, up to 1, at which the equal pieces of an arc of this many degrees end; none of them has more than
 /// `largest`.
 pub(crate) fn pieces(degrees: f64, largest: f64) -> impl Iterator<Item = f64> {
     let count = (degrees / largest - 1e-9).ceil().max(1.0) as u32;

@@ -70,7 +70,7 @@ pub(crate) trait Evaluate<V: Clone + Default, X> {
     /// That of the first operation without a value.
     #[inline]
     fn evaluate(&mut self, code: &Code<V, X>) -> Result<V, Self::Stop> {
-        // The value on top stays out of the stack until another one waits above it.
+        // The top value stays out of the stack until another value waits above it.
         let mut stack = Stack::new();
         let Some((first, ops)) = code.ops().split_first() else { return Ok(V::default()) };
         let mut top = match first {

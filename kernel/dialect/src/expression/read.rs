@@ -75,7 +75,7 @@ pub(crate) trait Grammar {
         Ok(())
     }
 
-    /// An operand with so many signs has been read.
+    /// An operand with this many signs has been read.
     fn unnest(&mut self, _signs: usize) {}
 
     /// Operators of this level are understood here.

@@ -31,7 +31,7 @@ impl<'h> Access<'h> {
         Self { host, steps: 1.0, answering: false }
     }
 
-    /// At an address whose values have so many steps of one unit.
+    /// At an address whose values have this many steps of one unit.
     pub(super) fn at_address(host: &'h mut dyn Host, steps: f64) -> Self {
         Self { steps, ..Self::new(host) }
     }
@@ -100,7 +100,7 @@ impl<'h> Access<'h> {
         if let Err(Fault::NoFunction(_)) = value { Err(unknown) } else { value }
     }
 
-    /// Sets a variable; the macro is asked where to write one of the system.
+    /// Sets a variable; the macro is asked for the target of a system variable.
     pub(super) fn set(&mut self, index: u32, value: f64) -> Result<(), Fault> {
         let why = match self.host.set_number(index, value) {
             Ok(()) => return Ok(()),
@@ -172,7 +172,7 @@ pub(super) fn eval(host: &mut dyn Host, expr: &Expr) -> Result<f64, Abandoned> {
     eval_at(host, expr, 1.0)
 }
 
-/// Value of an expression at an address whose values have so many steps of one unit.
+/// Value of an expression at an address whose values have this many steps of one unit.
 pub(super) fn eval_at(host: &mut dyn Host, expr: &Expr, steps: f64) -> Result<f64, Abandoned> {
     if let Some(value) = expr.as_constant() {
         return Ok(*value);

@@ -70,7 +70,7 @@ impl Parser<'_> {
         }
     }
 
-    /// So many operands in brackets, with commas between them.
+    /// This many operands in brackets, with commas between them.
     fn operands(&mut self, count: usize) -> Result<Box<[Expr]>, Error> {
         let mut operands = Vec::with_capacity(count);
         for at in 0..count {

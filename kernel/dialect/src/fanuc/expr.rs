@@ -133,7 +133,7 @@ impl<V: Variables> Evaluate<f64, Own> for Values<'_, V> {
     }
 }
 
-/// A value rounded to the nearest of so many steps of one unit, halves away from zero.
+/// A value rounded to the nearest of this many steps of one unit, halves away from zero.
 pub(super) fn to_step(value: f64, steps: f64) -> f64 {
     let rounded = (value * steps).round() / steps;
     if rounded.is_finite() { rounded } else { value }

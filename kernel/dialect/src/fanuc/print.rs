@@ -9,7 +9,7 @@ use super::statement::Item;
 use counterpoint_machine::model::Output;
 
 impl Parser<'_> {
-    /// `[text#n[cd]…]` with so many digits in each format.
+    /// `[text#n[cd]…]` with this many digits in each format.
     pub(super) fn items(&mut self, digits: usize) -> Result<Vec<Item>, Error> {
         if !self.accept(b'[') {
             return Err(self.error("'[' and what to print"));

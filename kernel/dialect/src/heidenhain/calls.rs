@@ -1,4 +1,4 @@
-//! Calls of cycles: CYCL CALL, CYCL CALL POS, M99, M89, and the cycle that runs.
+//! Calls of cycles: CYCL CALL, CYCL CALL POS, M99, M89, and the running cycle.
 //!
 //! Facts: programming manuals of the control (POS leads to its position first; M89 calls at every position up to M99; a
 //! feed of the call is that of its path). Invariant: parameters that a call has changed have their values again when

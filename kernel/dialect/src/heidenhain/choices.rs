@@ -143,7 +143,7 @@ impl Walk<'_> {
         if !is_line || behind.shape != (Shape::FreeArc { tangent: true }) {
             return None;
         }
-        // Centres lie to the left of a line that continues against the clock.
+        // Centres lie to the left of a line that continues counter-clockwise.
         let signed = |radius: f64, clockwise: bool| if clockwise { -radius } else { radius };
         let own = signed(radius, clockwise);
         let next = signed(of_step(behind, "R")?.abs(), super::free::sense_of(behind)?);

@@ -199,7 +199,7 @@ impl Heidenhain {
         };
         let round = |ways: Vec<Closed>| ways.iter().map(|way| way.rounded(corners)).collect();
         let along = figures.iter().map(|figure| {
-            // Climbing is against the clock in a pocket, with it round an island.
+            // Climb milling runs counter-clockwise in a pocket, clockwise around an island.
             let clockwise = figure.is_pocket != task.climbs;
             let same = figure.outline.is_clockwise() == clockwise;
             let outline = if same { figure.outline.clone() } else { figure.outline.reversed() };

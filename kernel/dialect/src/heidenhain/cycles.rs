@@ -149,7 +149,7 @@ fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&str>, global: &[(Name, f6
     }
 }
 
-/// Text parameters of a definition get their texts.
+/// Gives the text parameters of a definition their texts.
 fn take_texts(evaluator: &mut Evaluator<'_>, seen: &mut Vec<Seen>) -> Result<(), Halt> {
     let is_text = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name.kind == Kind::Text);
     while let Some(at) = seen.iter().position(|word| is_text(word) && word.value.is_none())
@@ -172,7 +172,7 @@ pub(super) struct State {
     pub(super) modal: bool,
 }
 
-/// The program of a cycle that runs.
+/// The program of a running cycle.
 #[derive(Debug, Default)]
 pub(super) struct Running {
     /// Programs and labels that run with it, 0 for none.

@@ -37,7 +37,7 @@ const REMEMBERED: usize = 100;
 /// Differences below this are none, millimetres or inches.
 const NEAR: f64 = 1e-3;
 
-/// How far the start of an arc may lie off its circle, as its end may.
+/// How far the start of an arc may lie off its circle; the same as for its end.
 const OFF: f64 = 0.016;
 
 /// Data of free contours besides the path.
@@ -52,7 +52,7 @@ pub(super) struct Free {
     pub(super) selects: Vec<(usize, usize, u32)>,
     /// Lines of those that have selected something.
     pub(super) decided: Vec<u32>,
-    /// The end of the element that is being made.
+    /// The end of the current element.
     end: Option<Point>,
 }
 

@@ -3,7 +3,7 @@
 //! Facts: programming manuals of the control (POS, ROW, PAT, FRAME, CIRC, PITCHCIRC; between points the tool is at the
 //! second clearance, of a table at its own, or at the height of the call, whichever is higher; Z of a pattern moves the
 //! surface; cycles 220 and 221 call the cycle defined before them where they are defined, at the first or second
-//! clearance between points). Decisions: rows of a PAT alternate in direction, a FRAME goes around against the clock;
+//! clearance between points). Decisions: rows of a PAT alternate in direction, a FRAME goes around counter-clockwise;
 //! before the first point the tool only rises. Invariant: the block of the call runs once for each point, and a cycle
 //! that is not a program is never called so.
 

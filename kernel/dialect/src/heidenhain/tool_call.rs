@@ -144,7 +144,7 @@ impl Heidenhain {
             }
             host.effect();
         }
-        // Length and radius are those of the tool table, no words of the block.
+        // Length and radius are those of the tool table, not words of the block.
         let others: Vec<Seen> = seen.into_iter().filter(|word| !word.is("L") && !word.is("R")).collect();
         let number = match defined.filter(|tool| is_indexed(*tool) && host.is_register(ROW)) {
             Some(tool) => shown(tool.trunc()),

@@ -77,7 +77,7 @@ impl ControlState {
 pub(super) struct Level {
     /// QL parameters; a label has none.
     local: FxHashMap<u32, f64>,
-    /// Passes to come of the repeats that run, by line of their call.
+    /// Remaining passes of the running repeats, by line of their call.
     pub(super) repeats: Vec<(u32, u32)>,
     /// Whether the program that has called this one counts in inches, where this one does not count as it does.
     pub(super) caller_in_inches: Option<bool>,

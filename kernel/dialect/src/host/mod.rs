@@ -20,7 +20,7 @@ pub use report::Report;
 pub use values::{Answer, NotThere, Values};
 pub use words::{MadeWord, Words};
 
-/// All that an interpreter can ask of its kernel.
+/// All requests of an interpreter to its kernel.
 pub trait Host: Programs + Flow + Values + Words + Frames + Report + Coordination {}
 
 impl<T: Programs + Flow + Values + Words + Frames + Report + Coordination> Host for T {}

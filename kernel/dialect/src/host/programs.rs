@@ -87,7 +87,7 @@ pub trait Programs {
     /// Whether blocks after an optional-skip mark of this level are skipped; `None` for a mark without number.
     fn skips(&self, level: Option<u8>) -> bool;
 
-    /// Counts work on so many elements within a block.
+    /// Counts work on this many elements within a block.
     ///
     /// # Errors
     /// When the job is to end, or a limit is reached.

@@ -269,7 +269,7 @@ impl Isg {
         Ok(())
     }
 
-    /// A variable alone: it begins with 0, an array with so many elements, unless it has a value.
+    /// A variable alone: it begins with 0, an array with this many elements, unless it has a value.
     fn declare(&mut self, host: &mut dyn Host, variable: &Variable) -> Outcome<()> {
         let (name, indices) = match variable {
             Variable::Named(name, indices) if !name.starts_with("V.E.") => (name.to_string(), indices),

@@ -17,7 +17,7 @@ use super::{Fault, Outcome};
 use crate::call_stack::CallStack;
 use crate::host::Host;
 
-/// Most elements of arrays and variables with names.
+/// Maximum number of elements of arrays and of variables with names.
 const MOST: usize = 100_000;
 
 /// Values of variables with names and of elements, by their full name.

@@ -25,7 +25,7 @@ pub(super) struct Line {
     pub(super) open: bool,
     /// Its relation to contours.
     pub(super) lap: Option<Lap>,
-    /// Its text, which begins with no mark of optional skip, is for the interpreter whether plain words are or not.
+    /// Its text starts with no mark of optional skip and is for the interpreter, whether plain words are or not.
     pub(super) executes: bool,
     /// It leaves no text and needs none: a jump, a loop or values for variables.
     pub(super) alone: bool,
@@ -446,7 +446,7 @@ impl Reading<'_> {
     }
 }
 
-/// So many operands in brackets, with commas between them, and the end of the block.
+/// This many operands in brackets, with commas between them, and the end of the block.
 fn operands(cursor: &mut Cursor<'_>, count: usize) -> Result<Box<[Expr]>, Mistake> {
     let operands = if count > 0 { Reader::new(cursor).list()? } else { Box::default() };
     if operands.len() != count {

@@ -189,7 +189,7 @@ impl Okuma {
         (next > place.line + 1).then_some((whole, next))
     }
 
-    /// Plain words too are for the pre-processor where lines continue those above them.
+    /// Plain words are also for the pre-processor where lines continue the lines above them.
     fn watch(&mut self, host: &mut dyn Host, file: FileId) {
         if self.index(host, file).continues {
             host.watch(true);

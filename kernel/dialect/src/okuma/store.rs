@@ -15,7 +15,7 @@ use crate::host::Host;
 /// Local variables that a call sets.
 pub(super) type Arguments = Box<[(Local, f64)]>;
 
-/// Local variables of a program that runs.
+/// Local variables of a running program.
 #[derive(Debug, Default)]
 struct Locals {
     values: FxHashMap<Local, f64>,

@@ -23,7 +23,7 @@ pub(super) struct Calling {
     pub(super) line: u32,
     /// A part of the program, which has no variables of its own.
     pub(super) part: bool,
-    /// It is a part of the program that has called so many of those that run.
+    /// It is a part of the program that has called this many of those that run.
     pub(super) outer: usize,
     pub(super) given: Vec<PassedArgument>,
 }
@@ -93,7 +93,7 @@ impl Siemens {
         Ok(Call { name: name.into(), place, passes: 1, closes: true })
     }
 
-    /// Prepares a part of the program that runs.
+    /// Prepares a part of the running program.
     pub(super) fn prepare_part(&mut self, host: &dyn Host, name: String, range: (u32, u32), passes: u32) -> Call {
         let place = host.place();
         self.calling = Some(Calling { line: place.line, part: true, outer: 0, given: Vec::new() });
@@ -256,7 +256,7 @@ impl Siemens {
         Ok(if found.is_some() || declared { Some(found) } else { None })
     }
 
-    /// The lines between two labels, both of a subprogram or of the program that runs.
+    /// The lines between two labels, both of a subprogram or of the running program.
     pub(super) fn section(
         &mut self,
         host: &mut dyn Host,

@@ -15,7 +15,7 @@ use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::shape::Range;
 
-/// Folders of the control that subprograms are looked for in, in this order.
+/// Folders of the control in which subprograms are searched for, in this order.
 const FOLDERS: [&str; 5] = ["spf.dir", "cus.dir", "cma.dir", "cst.dir", "sub.dir"];
 
 /// A name of the control as a name of a file: `_N_A_SPF` is `a.spf`.

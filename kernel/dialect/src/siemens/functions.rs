@@ -52,7 +52,7 @@ fn domain<T>(text: String) -> Outcome<T> {
     Err(Fault::Alarm(&diag::MACRO_DOMAIN, text))
 }
 
-/// Whether a function takes so many arguments.
+/// Whether a function takes this many arguments.
 pub(super) fn check(name: &str, count: usize) -> Outcome<()> {
     let known = FUNCTIONS.iter().find(|(function, ..)| *function == name);
     match known.copied().or(Function::named(name).map(|_| ("", 1, 1))) {

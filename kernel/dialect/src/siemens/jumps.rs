@@ -218,7 +218,7 @@ impl Siemens {
         }
     }
 
-    /// Goes on at a line, which has to be in the text that runs, or directly after it.
+    /// Goes on at a line, which has to be in the running text, or directly after it.
     pub(super) fn go(&mut self, host: &mut dyn Host, line: u32) -> Outcome<()> {
         let range = host.place().range;
         if line < range.first || line > range.last.saturating_add(1) {

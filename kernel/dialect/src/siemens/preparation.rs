@@ -44,7 +44,7 @@ fn conditions<T>(text: impl std::fmt::Display) -> Outcome<T> {
 }
 
 impl Siemens {
-    /// Executes CONTPRON or EXECUTE; whether it is one of them.
+    /// Executes CONTPRON or EXECUTE; returns whether the statement is one of them.
     pub(super) fn preparation(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
         match name {
             "CONTPRON" => self.prepare_contour(host, arguments).map(|()| true),

@@ -28,7 +28,7 @@ const BEYOND: i64 = 23;
 const LONGEST: usize = 200;
 
 impl Siemens {
-    /// Executes such a statement; whether it is one.
+    /// Executes such a statement; returns whether it is one.
     pub(super) fn records(&mut self, host: &mut dyn Host, name: &str, arguments: &[Argument]) -> Outcome<bool> {
         let statement = match name {
             "WRITE" => Self::write_record,

@@ -35,7 +35,7 @@ pub(super) struct Variable {
     pub(super) born: (FileId, u32),
 }
 
-/// Variables of a program that runs.
+/// Variables of a running program.
 #[derive(Debug, Default)]
 pub(super) struct Level {
     pub(super) variables: FxHashMap<String, Variable>,
@@ -149,7 +149,7 @@ impl Variables {
         self.find(name).map(|(_, variable)| variable)
     }
 
-    /// Keeps a variable of the program that runs; false if there is no room.
+    /// Keeps a variable of the running program; false if there is no room.
     pub(super) fn keep(&mut self, name: &str, variable: Variable) -> bool {
         if self.elements + variable.values.len() > MOST_IN_ALL {
             return false;
@@ -480,7 +480,7 @@ impl Target {
         self.whole
     }
 
-    /// An element so many after this one.
+    /// An element this many after this one.
     pub(super) fn element(&self, behind: usize) -> Self {
         Self { at: self.at + behind, whole: false, ..self.clone() }
     }

@@ -92,7 +92,7 @@ fn every_axis(act: &Act<'_, '_>) -> u8 {
     act.state.place.layout.axes.ids().fold(0, |bits, slot| bits | slot.bit())
 }
 
-/// The axes that have the point; all where none has it, so that this is reported.
+/// The axes that have the point; all axes if none has it, so that this is reported.
 fn with_reference(act: &Act<'_, '_>, number: usize) -> u8 {
     let axes = act.state.place.layout.axes.entries().filter(|(_, axis)| reference(axis, number).is_some());
     let found = axes.fold(0, |bits, (slot, _)| bits | slot.bit());

@@ -194,7 +194,7 @@ impl Act<'_, '_> {
         self.take(self.state.place.layout.axes[axis].data)
     }
 
-    /// Takes the axis words onto a point; `shift` tells how far away its machine coordinates are.
+    /// Takes the axis words onto a point; `shift` is the distance of its machine coordinates.
     #[inline(always)]
     fn axis_words(
         &mut self,

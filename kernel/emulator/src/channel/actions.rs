@@ -87,7 +87,7 @@ impl Kernel<'_> {
         self.change_compensation(CompensationChange::Code);
     }
 
-    /// A macro has selected another offset of the radius.
+    /// Called when a macro has selected another offset of the radius.
     pub(crate) fn resize_compensation(&mut self) {
         self.change_compensation(CompensationChange::Number);
     }

@@ -58,7 +58,7 @@ impl Kernel<'_> {
         self.flow.frames.first().and_then(|frame| self.program_of(frame)).unwrap_or(0)
     }
 
-    /// Number of the program that runs, 0 if it has none.
+    /// Number of the running program, 0 if it has none.
     fn running_program(&self) -> u32 {
         self.flow.frames.iter().rev().find_map(|frame| self.program_of(frame)).unwrap_or(0)
     }

@@ -1,4 +1,4 @@
-//! Time of codes and spindles from the machine's tables, beside other things or alone.
+//! Time of codes and spindles from the machine's tables, overlapping other work or alone.
 //!
 //! Facts: reference channel-synchronisation.md 3 (M, S and T times). *Invariant:* a function that overlaps other work
 //! starts at a known time, so the path stops before it. A function that is still running when it must be over is waited

@@ -88,7 +88,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Lets so many events out, which have their times.
+    /// Lets this many events out, which have their times.
     fn let_out(&mut self, count: usize) {
         let Some(pace) = &mut self.channel.pace else { return };
         let emitter = &mut self.ports.emitter;

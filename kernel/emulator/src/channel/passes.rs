@@ -120,7 +120,7 @@ impl Passes {
         Some(passed)
     }
 
-    /// The next pass of the last loop begins at this clock, after so many macro steps.
+    /// The next pass of the last loop begins at this clock, after this many macro steps.
     fn begin(&mut self, clock: i64, steps: u64) {
         if let Some(pass) = self.loops.last_mut() {
             pass.count += 1;

@@ -83,7 +83,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// Answers for a function that has nothing to work on, and reports that once for each function.
+    /// Answers a function that has nothing to work on, and reports that once for each function.
     fn absent(&mut self, state: &mut State, function: AbsentFn) -> Value {
         let of = HostFn::Absent(function);
         let asked = &mut self.macros.outside.asked;

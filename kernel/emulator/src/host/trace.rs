@@ -82,7 +82,7 @@ impl Kernel<'_> {
         Some(call.functions.last().map_or_else(|| self.macro_name(call.code, call.task.selects()), String::as_str))
     }
 
-    /// The innermost macro of the machine that runs.
+    /// The innermost macro of the running machine.
     pub(crate) fn called_name(&self) -> Option<&str> {
         let call = self.macros.calls.running.last()?;
         Some(self.macro_name(call.code, call.task.selects()))

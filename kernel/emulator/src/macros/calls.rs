@@ -185,7 +185,7 @@ impl Calls {
         }
     }
 
-    /// Steps that the running macros have left, before they are set.
+    /// Remaining steps of the running macros, before they are set.
     pub(crate) fn ticks(&mut self, left: Option<u64>) -> Option<u64> {
         let state = self.state.as_deref_mut()?;
         let before = state.ticks;

@@ -1,4 +1,4 @@
-//! Stage *codes*: which rows the words of a block match, and the loop that lets the codes act by order.
+//! Stage *codes*: the rows that the words of a block match, and the loop that lets the codes act by order.
 //!
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 

@@ -21,13 +21,13 @@ use counterpoint_sync::tag::Tag;
 use super::channel::Channel;
 use super::position::Axis;
 
-/// Largest distance from a corner where nothing else limits the speed there, mm.
+/// Largest distance from a corner if nothing else limits the speed there, mm.
 const DEVIATION: f64 = 0.01;
 
 /// Events without a move after which the path stops: the control has no move to look ahead to, and nothing piles up.
 const WITHOUT_MOVE: usize = 2000;
 
-/// Parts of a direction below this are none.
+/// Parts of a direction below this count as none.
 const NOISE: f64 = 1e-12;
 
 /// Moves at feed that are not timed yet.

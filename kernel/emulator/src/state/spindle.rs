@@ -50,7 +50,7 @@ pub(crate) enum Turning {
     Fixed(f64),
     /// By this channel's own X.
     Surface(Speed),
-    /// Driven by the move of another channel, which started so many minutes ago.
+    /// Driven by the move of another channel, which started this many minutes ago.
     Driven(DrivenSpeed, f64),
 }
 

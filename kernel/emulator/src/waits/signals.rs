@@ -2,7 +2,7 @@
 //!
 //! Facts: reference channel-synchronisation.md 1.7; the numbers in texts are those of the control's alarms. Decisions:
 //! with a list a channel may name itself; a signal without a list and without a count is one for each other channel, or
-//! stays until it is removed, as the row of the machine says; with a count it is for so many waits of whichever
+//! stays until it is removed, as the row of the machine says; with a count it is for this many waits of whichever
 //! channels. *Invariant:* all numbers count in one family.
 
 use counterpoint_dialect::Signal;

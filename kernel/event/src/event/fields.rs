@@ -141,7 +141,7 @@ impl Value<'_> {
     }
 }
 
-/// A form that events are written in, field by field.
+/// A form in which events are written, field by field.
 pub trait Fields {
     /// Writes one field.
     fn put(&mut self, field: Field, value: Value<'_>);

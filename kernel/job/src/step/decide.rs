@@ -15,13 +15,13 @@ pub(super) enum Goal {
     Stand,
     /// To run until a breakpoint or the end.
     Free,
-    /// So many blocks of whichever channel is furthest behind.
+    /// This many blocks of whichever channel is furthest behind.
     Next(u32),
-    /// So many blocks of one channel.
+    /// This many blocks of one channel.
     One {
         channel: u16,
         blocks: u32,
-        /// It stood at a wait when the step began.
+        /// It was at a wait when the step began.
         stood: bool,
     },
     /// As many blocks of each channel as it has left.

@@ -1,7 +1,6 @@
 //! Text as values.
 //!
-//! *Invariant:* reading never fails as a whole; a code that finds nothing gives `$NULL`, which is reported to the
-//! caller.
+//! *Invariant:* reading never fails as a whole; a code without a match gives `$NULL`, which is reported to the caller.
 
 use super::{Code, Format, Numeric, Piece, Point, Zeros};
 use crate::ident;

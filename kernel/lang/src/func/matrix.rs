@@ -258,8 +258,8 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-9
 }
 
-/// Tells the shape of the upper left `size` rows and columns. A half turn is a rotation, and so are three
-/// negative directions: a half turn and a mirror.
+/// Determines the shape of the upper left `size` rows and columns. A half turn is a rotation, and so are three negative
+/// directions: a half turn and a mirror.
 fn shape(matrix: &Matrix, size: usize) -> Shape {
     let all = |test: &dyn Fn(usize, usize) -> bool| (0..size).all(|r| (0..size).all(|c| test(r, c)));
     if all(&|r, c| near(matrix.at(r, c), 0.0)) {

@@ -18,7 +18,7 @@ pub trait Variables {
     /// The variable is not available here, or the value is out of its range.
     fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()>;
 
-    /// Lets `access` read a global variable (no `growth`), or change it; it grows by so many bytes at most.
+    /// Lets `access` read a global variable (no `growth`), or change it; it grows by this many bytes at most.
     fn global(&mut self, index: u32, growth: Option<usize>, access: &mut dyn FnMut(&mut Value));
 
     /// Adds the values of macros that the host keeps.

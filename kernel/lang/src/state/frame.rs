@@ -11,7 +11,7 @@ pub(crate) struct Calls {
     pub(crate) names: Vec<String>,
 }
 
-/// A macro that runs, or waits for a function. It stays allocated, constants included, from run to run.
+/// A running macro, or waits for a function. It stays allocated, constants included, from run to run.
 #[derive(Debug, Default)]
 pub(crate) struct Frame {
     /// Its registers, followed by unused ones up to the size of a window.

@@ -22,7 +22,7 @@ const CALL: u64 = 5;
 /// The registers that short forms name.
 pub(super) type Window = [Value; WINDOW];
 
-/// Where the loop is: the macro that runs, its frame and the next instruction.
+/// Where the loop is: the running macro, its frame and the next instruction.
 pub(super) struct Place<'a, 'p> {
     pub(super) code: &'p Code,
     pub(super) frame: &'a mut Box<Frame>,

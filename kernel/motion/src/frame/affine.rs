@@ -44,7 +44,7 @@ impl Affine {
         Self { shift: by.into(), ..Self::SAME }
     }
 
-    /// Makes every coordinate so many times as large; −1 mirrors.
+    /// Makes every coordinate this many times as large; −1 mirrors.
     pub fn scale(by: Point) -> Self {
         Self { linear: Matrix3::from_diagonal(&by.into()), ..Self::SAME }
     }

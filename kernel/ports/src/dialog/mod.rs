@@ -43,7 +43,7 @@ pub struct Field {
 pub enum FieldKind {
     /// Nothing: a text or a frame.
     Label,
-    /// A text of at most so many characters.
+    /// A text of at most this many characters.
     Text {
         /// Longest text.
         longest: usize,

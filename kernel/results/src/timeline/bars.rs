@@ -84,7 +84,7 @@ pub struct Bars {
 }
 
 impl Bars {
-    /// No bar yet; all of them may take so many bytes.
+    /// No bar yet; all of them may take this many bytes.
     pub fn new(room: u64) -> Self {
         let most = usize::try_from(room / (2 * size_of::<Bar>() as u64)).unwrap_or(MOST).min(MOST);
         Self { bars: Vec::new(), most, grain_ns: 0 }

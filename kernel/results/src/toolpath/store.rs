@@ -160,7 +160,7 @@ impl Path {
         self.curves.get(of.curve()?)
     }
 
-    /// A path of about so many moves to come, which may take so many bytes.
+    /// A path of about this many moves to come, which may take this many bytes.
     pub(super) fn with_capacity(moves: usize, room: u64) -> Self {
         let room = usize::try_from(room).unwrap_or(usize::MAX);
         Self { moves: Vec::with_capacity(moves.min(MOST).min(room / size_of::<Move>())), room, ..Self::default() }

@@ -40,7 +40,7 @@ enum Op {
     Rest,
     /// Starts this kernel.
     Begin(u16),
-    /// A loop with ticks of two until so many operations have been executed.
+    /// A loop with ticks of two until this many operations have been executed.
     Poll(usize),
     /// A wait for the merger.
     Away,

@@ -38,7 +38,7 @@ enum Op {
     Begin(u16),
     /// A change of shared data.
     Write,
-    /// A loop with ticks of two until there are so many changes.
+    /// A loop with ticks of two until there are this many changes.
     Poll(u64),
     /// A wait for the merger.
     Away,

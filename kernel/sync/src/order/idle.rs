@@ -1,4 +1,4 @@
-//! Kernels without a program that runs: others select their programs and start them.
+//! Kernels without a running program: others select their programs and start them.
 //!
 //! *Invariant:* an idle kernel is blocked, so it holds no kernel back, and it is woken once: by a start, or when no
 //! kernel is left that could start it. Facts: reference channel-synchronisation.md 1.4, 2.1.

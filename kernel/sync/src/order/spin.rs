@@ -68,7 +68,7 @@ impl Nap {
 /// Next action of a channel after a pass that has only read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum After {
-    /// The next pass; so many changes there are until now.
+    /// The next pass; this many changes there are until now.
     Pass(u64),
     /// Every pass is like this one until another channel does something: it waits for [`Wake::Roused`].
     Rest,

@@ -66,7 +66,7 @@ fn steps(primitive: Primitive) -> Vec<Step> {
     steps
 }
 
-/// Executes a step of a channel that runs; false if it is not possible.
+/// Executes a step of a running channel; false if it is not possible.
 fn carry_out(waits: &mut Waits, channel: u16, t: i64, step: Step) -> bool {
     let tag = Tag { t, micro: 0, channel };
     match step {

@@ -15,7 +15,7 @@ use crate::ledger::record::tests::record;
 use crate::ledger::record::{CONTENT, State};
 use crate::local::disk::{Disk, Faults, Step};
 
-/// A host that loses its power after so many more writes of the ledger; negative = never.
+/// A host that loses its power after this many more writes of the ledger; negative = never.
 #[derive(Debug)]
 struct Power(AtomicI64);
 

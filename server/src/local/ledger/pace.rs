@@ -41,7 +41,7 @@ impl Paces {
         self.recent.retain(|_, count| *count >= THERE);
     }
 
-    /// Whether a tenant has so many more operations than another that they wait for a common commit.
+    /// Whether a tenant has this many more operations than another that they wait for a common commit.
     pub(super) fn busy(&self, tenant: u64) -> bool {
         let own = self.recent.get(&tenant).copied().unwrap_or(0.0);
         let others = self.recent.iter().filter(|(other, _)| **other != tenant).map(|(_, count)| *count);

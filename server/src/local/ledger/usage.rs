@@ -42,7 +42,7 @@ fn change(txn: &WriteTransaction, tenant: &str, change: impl FnOnce(&mut Usage))
     Ok(())
 }
 
-/// A job has ended that took so many bytes in the list before, if it was there.
+/// A job has ended that took this many bytes in the list before, if it was there.
 pub(super) fn ended(txn: &WriteTransaction, record: &Record, before: Option<u64>) -> Result<(), Refusal> {
     change(txn, &record.tenant, |usage| {
         usage.bytes = usage.bytes.saturating_sub(before.unwrap_or(0)).saturating_add(record.runs.stored_bytes);
@@ -54,7 +54,7 @@ pub(super) fn ended(txn: &WriteTransaction, record: &Record, before: Option<u64>
     })
 }
 
-/// A job that took so many bytes is removed.
+/// A job that took this many bytes is removed.
 pub(super) fn removed(txn: &WriteTransaction, tenant: &str, bytes: u64) -> Result<(), Refusal> {
     change(txn, tenant, |usage| usage.bytes = usage.bytes.saturating_sub(bytes))
 }

@@ -2,7 +2,7 @@
 //!
 //! A move waits until the next move of its plane is known; events in between are held back with it (`held`), so that
 //! the log keeps its order. Invariants: without a radius nothing of this exists; a held clock never runs past events
-//! that other channels may see; every way out of compensation finishes the move that waits. Facts: reference
+//! that other channels may see; every way out of compensation finishes the waiting move. Facts: reference
 //! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
 
 mod angle;

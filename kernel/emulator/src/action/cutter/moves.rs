@@ -143,7 +143,7 @@ impl Act<'_, '_> {
         self.links((step, element), &cutter, &links, self.state.place.position)
     }
 
-    /// Finishes the move that waits, now that the next piece is known (or will not be).
+    /// Finishes the waiting move, now that the next piece is known (or will not be).
     pub(in crate::action) fn next_element(&mut self, next: Option<&Element>) -> Acted {
         let Some(cutter) = self.cutter().filter(|cutter| !cutter.waiting.is_empty()) else { return Ok(()) };
         let waiting = std::mem::take(&mut cutter.waiting);

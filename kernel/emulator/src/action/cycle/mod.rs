@@ -49,7 +49,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
         not_cancelled(act);
     }
     if kind.bores_back() && act.state.cycle.code != Some(row.id) {
-        // Its clearance is the level where it is unless it says so itself.
+        // Its clearance is the current level unless the block gives it.
         act.state.cycle.heights.clear = None;
     }
     let level = act.cycle_level(axis);

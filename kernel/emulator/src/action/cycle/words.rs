@@ -228,7 +228,7 @@ fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     kind
 }
 
-/// A tap as its type says, if one has been programmed.
+/// A tap of the programmed type, if one has been programmed.
 fn tap_type(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     if !kind.taps() {
         return kind;

@@ -77,7 +77,7 @@ impl Action for Shaping {
     }
 }
 
-/// The first move gives the start of the contour and decides how the cycle works.
+/// Takes the first move, which gives the start of the contour and decides how the cycle works.
 fn first(act: &mut Act<'_, '_>, id: CodeId) -> Acted {
     let (coded, target) = act.programmed_targets();
     if coded == 0 {

@@ -54,7 +54,7 @@ pub(super) fn rough(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Ro
     Rough { settings: rough::Settings { face, depth, retract, allowance, semi, pockets: false, lap: None }, pockets }
 }
 
-/// Allowances along Z and X; that of X counts as X is programmed.
+/// Allowances along Z and X; that of X is in the form of programmed X.
 fn allowance(act: &mut Act<'_, '_>, plane: &LathePlane) -> Spot {
     let [z, x] = [data::TURN_ALLOWANCE_Z, data::TURN_ALLOWANCE_X].map(|id| value(act, id).unwrap_or(0.0));
     [z * plane.scales[0], x * plane.scales[1]]

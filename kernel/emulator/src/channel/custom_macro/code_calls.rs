@@ -114,7 +114,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// Whether a word of this kind calls in the program that runs.
+    /// Whether a word of this kind calls in the running program.
     fn may_call(&self, kind: WordKind) -> bool {
         let mut callers = self.flow.frames.iter().filter_map(|frame| frame.by);
         match self.channel.env.machine.subprograms.nested {

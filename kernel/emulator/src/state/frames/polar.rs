@@ -106,7 +106,7 @@ impl Polar {
         }
     }
 
-    /// Way on the surface of a cylinder for each degree.
+    /// Distance on the surface of a cylinder per degree.
     pub(crate) fn per_degree(&self) -> Option<f64> {
         match self.shape {
             Shape::Cylinder { per_degree, .. } => Some(per_degree),
