@@ -46,7 +46,7 @@ pub struct Done {
     pub files: WrittenFiles,
 }
 
-/// Random cases of a test: `MIXED_CASES` in the environment, or else so many.
+/// Random cases of a test: `MIXED_CASES` in the environment, otherwise so many.
 #[must_use]
 pub fn cases(usual: u32) -> u32 {
     std::env::var("MIXED_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)

@@ -12,7 +12,7 @@ use counterpoint_kernel::machine::macros::system;
 use counterpoint_mdspec::{Example, Page};
 use counterpoint_tests::spec::{Case, FENCES, folder};
 
-/// Identifiers that never come up in a trace: a page that gives them a row and runs shows them.
+/// Identifiers that never occur in a trace: a page that gives them a row and runs shows them.
 const STRUCTURE: &[&str] =
     &["CODE_NONE", "REG_NONE", "REG_DEFSUB_ID", "REG_LABEL", "REG_LABEL_END", "REG_OPSKIP", "REG_IGNORE"];
 

@@ -84,8 +84,8 @@ impl Plane {
     }
 }
 
-/// The tables A and C have the tool square to the plane, and the axes are where they bring the point. `fixture`: from
-/// the part to the machine; `length`: of the tool.
+/// The tables A and C have the tool perpendicular to the plane, and the axes are where they bring the point. `fixture`:
+/// from the part to the machine; `length`: of the tool.
 fn check_tables(plane: &Plane, (a, c): (f64, f64), axes: Point, fixture: Point, length: f64, text: &str) {
     let tool = turned([0.0, 0.0, 1.0], &[('Z', c), ('X', a)]);
     assert!(close(tool, plane.normal(), 1e-6), "A{a} C{c}: {tool:?}, not {:?} in\n{text}", plane.normal());

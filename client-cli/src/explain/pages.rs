@@ -88,7 +88,7 @@ fn plain(line: &str) -> String {
     let text = cells.filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(": ").replace('`', "");
     let text = crate::macros::without_links(&text);
     let Some((end, _)) = text.char_indices().nth(LONGEST) else { return text };
-    // Cut at the end of a sentence or of a part of it, or else of a word.
+    // Cut at the end of a sentence or of a part of it, otherwise of a word.
     let start = text.get(..end).unwrap_or_default();
     let end = [". ", "; ", " "].iter().find_map(|end| start.rfind(end).filter(|at| *at > LONGEST / 2));
     format!("{} …", start.get(..end.unwrap_or(start.len())).unwrap_or_default().trim_end_matches([';', '.']))

@@ -417,7 +417,7 @@ impl Act<'_, '_> {
         self.kernel.added_to(moved, alarm)
     }
 
-    /// Does something at which other channels may continue; it is shown as this wait would be.
+    /// Executes an act at which other channels may continue; it is shown as this wait would be.
     pub(crate) fn let_continue(&mut self, deed: wait::Act, shown: Wait) -> Acted {
         self.kernel.let_continue(deed, shown)
     }

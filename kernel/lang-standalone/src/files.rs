@@ -77,7 +77,7 @@ impl Shelf for Storage<'_> {
 }
 
 impl Disk {
-    /// Does something with the folder of the run and its files.
+    /// Runs an operation on the folder of the run and its files.
     pub(crate) fn with<R>(
         &mut self,
         outside: Option<&mut Box<dyn Outside>>,

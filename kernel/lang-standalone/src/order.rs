@@ -1,7 +1,7 @@
 //! The order in which files that use each other are compiled.
 //!
 //! *Invariant:* a file comes after those whose functions and shared variables it names, as far as that is possible;
-//! else the given order stays.
+//! otherwise the given order stays.
 
 use super::File;
 use counterpoint_lang::ast::{Scope, StatementKind};

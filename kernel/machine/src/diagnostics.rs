@@ -32,7 +32,7 @@ impl Diagnostics {
         self.rules.get(index)
     }
 
-    /// Whether the machine stops at a number, where it says so.
+    /// Whether the machine stops at a number, if it says so.
     #[must_use]
     pub fn stops(&self, number: u32) -> Option<bool> {
         self.rule(number)?.stops

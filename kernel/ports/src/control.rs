@@ -12,7 +12,7 @@ use crate::step::Console;
 use crate::system::System;
 use counterpoint_event::event::Wait;
 
-/// Shared between the one who runs a job and the one who watches it. Reading progress never slows a kernel.
+/// Shared between the runner and the watcher of a job. Reading progress never slows a kernel.
 #[derive(Default)]
 pub struct Control {
     stop: Stop,
@@ -119,7 +119,7 @@ impl Control {
         self
     }
 
-    /// Who steps through the job.
+    /// The operator who steps through the job.
     #[must_use]
     pub fn console(&self) -> Option<&dyn Console> {
         self.console.as_deref()
@@ -185,7 +185,7 @@ impl Control {
         self.stop.asked()
     }
 
-    /// The wish itself, to be looked at where there is no control.
+    /// The request itself, to be checked where there is no control.
     #[must_use]
     pub fn stop(&self) -> &Stop {
         &self.stop

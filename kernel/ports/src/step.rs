@@ -228,7 +228,7 @@ pub trait Console: Send + Sync {
     /// The next command, if one is there.
     fn poll(&self) -> Heard;
 
-    /// The next command. Waits for it at most so long; who asks looks at the end of the job in between.
+    /// The next command. Waits for it at most so long; the caller checks the end of the job in between.
     fn wait(&self, at_most: Duration) -> Heard;
 
     /// Tells the operator something.

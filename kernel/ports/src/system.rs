@@ -31,7 +31,7 @@ pub struct Answer {
     pub removed: Vec<String>,
 }
 
-/// Who starts commands.
+/// Starts commands.
 pub trait System: Send + Sync {
     /// Runs a command to its end, or until `cancelled` is true.
     fn run(&self, call: &Call<'_>, cancelled: &dyn Fn() -> bool) -> Answer;

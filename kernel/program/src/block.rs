@@ -38,7 +38,7 @@ pub struct PendingCode {
     pub only_if_data_left: bool,
 }
 
-/// A value taken off the block.
+/// A value removed from the block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Datum {
     /// Value after factor and change of units.

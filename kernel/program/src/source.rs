@@ -34,7 +34,7 @@ pub struct Source {
     stop: Stop,
     programs: OnceLock<Vec<Range>>,
     sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
-    /// Whether a byte comes up in the text, by byte: [`UNKNOWN`] until it is requested.
+    /// Whether a byte occurs in the text, by byte: [`UNKNOWN`] until it is requested.
     has: [AtomicU8; 256],
     /// Findings of one tape editor about the whole text, and its number.
     tape: OnceLock<(u64, Rules)>,
@@ -104,7 +104,7 @@ impl Source {
         &self.text
     }
 
-    /// Whether a byte comes up in the text; it is looked for once.
+    /// Whether a byte occurs in the text; it is looked for once.
     #[inline(always)]
     pub fn has(&self, byte: u8) -> bool {
         match self.has.get(usize::from(byte)).map(|known| known.load(Relaxed)) {

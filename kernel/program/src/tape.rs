@@ -60,7 +60,7 @@ struct Rule {
 /// Rules that may match a text.
 struct Candidates {
     rules: Rules,
-    /// Whether the text that each needs comes up in the text is not known.
+    /// Whether the text that each needs occurs in the text is not known.
     unsure: bool,
 }
 

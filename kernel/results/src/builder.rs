@@ -165,7 +165,7 @@ impl ResultsBuilder {
     }
 }
 
-/// The place where a channel stopped before its end: at its last error, at its wait, or else after its last move.
+/// The place where a channel stopped before its end: at its last error, at its wait, otherwise after its last move.
 fn stop_place(info: &Info, summary: &Summary, number: u16, last: Option<(FileId, u32)>) -> Option<StopPlace> {
     let state = summary.channels.iter().find(|channel| channel.channel == number)?.state;
     if matches!(state, ChannelState::Ended | ChannelState::NotStarted) {

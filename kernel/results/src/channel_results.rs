@@ -36,7 +36,7 @@ pub struct ChannelResults {
     pub(super) last_ns: i64,
     /// Its tools.
     pub(super) tools: Tools,
-    /// When they were in work.
+    /// When they were active.
     pub(super) spans: Spans,
     /// File that the kernel started with, when it is not the one given to it by the job.
     pub(super) program: Option<FileId>,

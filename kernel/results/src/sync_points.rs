@@ -21,7 +21,8 @@ pub struct SyncPoint {
     pub kind: Primitive,
     /// When all continued, ns; `None`: never.
     pub release_ns: Option<i64>,
-    /// Channel whose operation let them continue: the last to come, who set the flag or sent the signal; 0 if none did.
+    /// Channel whose operation let them continue: the last to come, or the one that set the flag or sent the signal; 0
+    /// if none did.
     #[serde(default, skip_serializing_if = "is_none")]
     pub by: u16,
     /// The code does more than wait: it begins or ends balance cutting or a coupling of axes.

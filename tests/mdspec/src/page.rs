@@ -76,7 +76,8 @@ pub struct Example {
     pub name: String,
     /// Line of its first fence.
     pub line: usize,
-    /// The machine written last before it in its section, or else that of the page, which is the first one of its head.
+    /// The machine written last before it in its section, otherwise that of the page, which is the first one of its
+    /// head.
     pub machine: Option<Named>,
     /// Its fences in order.
     pub fences: Vec<Fence>,

@@ -23,7 +23,7 @@ pub(crate) struct Side {
     /// Length of a straight path, not negative; radius of a circle of the tool centre, negative on the other side of
     /// its path.
     pub(crate) size: f64,
-    /// The tool goes on the left of the contour.
+    /// The tool is on the left of the contour.
     pub(crate) on_left: bool,
     /// Distance of the tool centre from the contour, not negative.
     pub(crate) beside: f64,

@@ -3,9 +3,9 @@
 //! Facts: programming manuals of the control (X of the contour is the way round, in degrees or as a length by Q17, Y
 //! lies along the axis; 27 turns the table to each point; 28 mills both walls of a slot along its middle and keeps them
 //! parallel, Q21 mills them again where a smaller tool distorts them; 29 goes around a ridge, 39 along a contour, both
-//! from beside the first point; the axis of the table is square to the tool). Old programs write the letter of the
-//! rotary axis instead of X. Decisions: docs of the family, "Choices of cylinder cycles". *Invariant:* the axis of the
-//! cylinder is the zero of the plane and of the tool axis.
+//! from beside the first point; the axis of the table is perpendicular to the tool). Old programs write the letter of
+//! the rotary axis instead of X. Decisions: docs of the family, "Choices of cylinder cycles". *Invariant:* the axis of
+//! the cylinder is the zero of the plane and of the tool axis.
 
 use counterpoint_motion::arc::{Arc, by_center};
 use counterpoint_motion::contour::closed::{Closed, is_clear};
@@ -235,7 +235,7 @@ impl Heidenhain {
     /// The contour that is read next lies on a cylinder.
     ///
     /// # Errors
-    /// The machine has no table that is square to the tool.
+    /// The machine has no table that is perpendicular to the tool.
     pub(super) fn unroll(&mut self, host: &dyn Host) -> Result<(), String> {
         if self.shifts.mirror_bits() != 0 || (0..3).any(|axis| self.shifts.factor(axis) != Some(1.0)) {
             return Err("a cylinder that is mirrored or scaled (cycles 8, 11, 26) is not emulated".to_owned());

@@ -439,7 +439,7 @@ impl Walk<'_> {
         let chord = self.free("LEN").map(|chord| 2.0 * libm::asin(chord / (2.0 * radius)).to_degrees());
         let sweep = match end {
             Some(end) => Some(angle_between(angle, Polar::of(center, self.flat(&end)).angle, clockwise)),
-            // The direction of the line after it is square to the radius at the end.
+            // The direction of the line after it is perpendicular to the radius at the end.
             None => self.free("CCA").map(f64::abs).or(chord).or_else(|| {
                 let exit = self.ahead.first().and_then(exit_angle).filter(|_| begins.is_some());
                 let by_exit = exit.map(|exit| angle_between(angle, exit - turn, clockwise));

@@ -68,7 +68,7 @@ pub(super) fn shown(value: f64) -> String {
     format!("{}", tidy + 0.0)
 }
 
-/// Reads all words that are left.
+/// Reads all remaining words.
 pub(super) fn words(cursor: &mut Cursor<'_>) -> Vec<Word> {
     let mut out = Vec::new();
     while !cursor.is_over() {

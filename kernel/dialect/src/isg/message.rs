@@ -15,7 +15,7 @@ use super::{Fault, Outcome};
 /// Most characters of a value.
 const WIDEST: usize = 60;
 
-/// Words between `#MSG` and its text: the modes, and who gets the message.
+/// Words between `#MSG` and its text: the modes, and the receiver of the message.
 const BEFORE: [&str; 8] = ["SYN", "ASYN", "INFO", "SAVE", "HMI", "DIAG", "PLC", "DISK"];
 
 /// Reads the text after `#MSG`; `text` is the block as it was written.

@@ -53,7 +53,7 @@ fn finite(value: Option<f64>, name: &str) -> Outcome<f64> {
     }
 }
 
-/// Words that are left.
+/// Remaining words.
 #[derive(Debug, Default)]
 struct Left(String);
 
@@ -67,7 +67,7 @@ impl Left {
 }
 
 impl Isg {
-    /// Executes a block: the text of the words that are left.
+    /// Executes a block: the text of the remaining words.
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &[u8]) -> Outcome<Option<String>> {
         let place = host.place();
         if places::is_head(text) {

@@ -64,9 +64,9 @@ pub(crate) struct Okuma {
     names: KnownNames,
     /// Calls are executed; otherwise they stay in the block.
     takes_calls: bool,
-    /// Sequence names are taken off the block.
+    /// Sequence names are removed from the block.
     takes_names: bool,
-    /// Messages are taken off the block.
+    /// Messages are removed from the block.
     takes_messages: bool,
     /// Q of a call counts executions, not repeats.
     counts_executions: bool,
@@ -96,7 +96,7 @@ struct Drawing {
 }
 
 impl Okuma {
-    /// With sequence names taken off the block, or left on it for the macros of a machine (`$FCEPP` says otherwise).
+    /// With sequence names removed from the block, or left on it for the macros of a machine (`$FCEPP` says otherwise).
     pub(crate) fn new(takes_names: bool) -> Self {
         Self {
             store: store::Store::default(),

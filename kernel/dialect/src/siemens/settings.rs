@@ -68,7 +68,7 @@ impl Settings {
             "PROCESS,SUBPROGRAMS" => &mut self.subprograms,
             "GLOBALDEF" => &mut self.global,
             "APPLYFRAMES" => &mut self.applies_frames,
-            // Blanks around `=` are taken off in any case.
+            // Blanks around `=` are removed in any case.
             "COLLAPSEASSIGNSPACES" => return if truth.is_some() { Setting::Made } else { Setting::Wrong },
             "COLLAPSEASSIGNS" => {
                 self.collapse = truth.or(self.collapse);

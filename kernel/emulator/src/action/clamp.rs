@@ -1,4 +1,4 @@
-//! Clamps of axes, and whole turns that are taken off rotary axes.
+//! Clamps of axes, and whole turns that are removed from rotary axes.
 //!
 //! Facts: reference control-emulator.md 3.2, 6.1, 6.3. Invariant: `Place::clamped` is zero unless an axis is clamped,
 //! so a motion only looks at that. Decision: a move of a clamped axis is reported and made nevertheless.

@@ -337,7 +337,7 @@ fn mirror(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     words.iter().any(Option::is_some).then(|| mirror_of(flags, filled(words, at)))
 }
 
-/// The mirrors that are left when those of the block are removed; all go without words.
+/// The mirrors that remain when those of the block are removed; all go without words.
 fn fewer_mirrors(act: &mut Act<'_, '_>) -> Given {
     let words = mirrors(act);
     let (flags, at) = mirrored(act);

@@ -69,7 +69,7 @@ pub(super) fn mirror(act: &mut Act<'_, '_>, adds: bool) -> Option<Lines> {
     taken(act, before, |datum| Line::scale(-1.0, datum.value))
 }
 
-/// The mirrors that are left when those of the block are removed; none without words.
+/// The mirrors that remain when those of the block are removed; none without words.
 pub(super) fn fewer_mirrors(act: &mut Act<'_, '_>) -> Option<Lines> {
     let before = part(act, Part::Mirror);
     taken(act, before, |_| Line::SAME)

@@ -68,7 +68,7 @@ pub(crate) struct Components<'a> {
 }
 
 impl<'a> Components<'a> {
-    /// All of the machine, with the first one of a channel in work.
+    /// All of the machine, with the first component of a channel active.
     pub(crate) fn of(all: &'a [Component<'a>], channel: u16) -> Self {
         let now = all.iter().position(|component| component.channels.contains(&channel));
         Self { all, turns: Turns { now, ..Turns::default() } }

@@ -1,6 +1,6 @@
 //! Data retrieval: an action asks for an identifier and gets the word's value.
 //!
-//! Facts: reference control-emulator.md 1.3. *Invariant:* a value is taken off the block at most once.
+//! Facts: reference control-emulator.md 1.3. *Invariant:* a value is removed from the block at most once.
 
 use super::Kernel;
 use super::plan::Source;

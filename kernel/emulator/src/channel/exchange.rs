@@ -3,7 +3,7 @@
 //! Facts: reference channel-synchronisation.md 1.4, 1.9, scenario M11. Decisions: a word of an axis that the channel
 //! does not hold is an alarm and no part of its block acts, unless the machine asks for the axis by itself; a channel
 //! that gets an axis finds it where the last holder has moved it; the end of a program gives nothing back. *Invariant:*
-//! who holds an axis is in the coordinator alone, and every word and move of such an axis asks there.
+//! only the coordinator knows the holder of an axis, and every word and move of such an axis asks there.
 
 use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;

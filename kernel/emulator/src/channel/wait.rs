@@ -76,7 +76,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Does something at which other channels may continue; it is shown as this wait would be.
+    /// Executes an act at which other channels may continue; it is shown as this wait would be.
     pub(crate) fn let_continue(&mut self, act: wait::Act, shown: wait::Wait) -> Acted {
         self.come_to_rest();
         self.flow.pass.effects = true;
@@ -220,7 +220,7 @@ impl Kernel<'_> {
         let (after, warning) = self.in_order(tag, |order| order.arrive_in_motion(waiting, own, info))?;
         let (after, wake) = match after {
             After::Stand(_) => {
-                // Those who come at the same instant are there in time.
+                // Channels that arrive at the same instant are in time.
                 let stop = Tag { micro: u32::MAX, ..tag };
                 match self.in_order(stop, |order| order.stops(stop, info))? {
                     Ok(wake) => (After::Stand(None), Some(wake)),

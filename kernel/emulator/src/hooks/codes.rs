@@ -133,7 +133,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A code that has been taken off the block: its macro, otherwise its action.
+    /// A code that has been removed from the block: its macro, otherwise its action.
     #[inline(never)]
     pub(crate) fn act_with_macros(&mut self, pending: PendingCode, id: CodeId) -> Acted {
         let outer = self.set_code(Some(id));

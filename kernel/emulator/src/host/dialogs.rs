@@ -66,7 +66,7 @@ fn typed(value: answers::Value, kind: Option<Kind>) -> Outcome<Value> {
 }
 
 impl Kernel<'_> {
-    /// Shows a dialog; the answer is the label of its button.
+    /// Shows a dialog; returns the label of its button.
     pub(crate) fn show_dialog(&mut self, state: &mut State, name: &str) -> Outcome<Value> {
         let (machine, options) = (self.channel.env.machine, self.channel.env.options);
         let runtime = &mut *self.macros;

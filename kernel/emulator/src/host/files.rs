@@ -18,7 +18,7 @@ use counterpoint_sync::files::Written;
 use counterpoint_sync::races::Mode;
 
 impl Kernel<'_> {
-    /// Does something with the folder of the run and its files.
+    /// Runs an operation on the folder of the run and its files.
     fn with_files<R>(&mut self, work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R) -> R {
         let mut folder = std::mem::take(&mut self.macros.outside.folder);
         let result = work(&mut folder, self);

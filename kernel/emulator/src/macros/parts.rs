@@ -99,7 +99,7 @@ pub struct Restart {
     pub file: FileId,
     /// First line.
     pub line: u32,
-    /// As if it were the first file; else counters, tool and modal codes carry on.
+    /// As if it were the first file; otherwise counters, tool and modal codes continue.
     pub reset: bool,
 }
 

@@ -3,7 +3,7 @@
 /// Values set by macros.
 #[derive(Debug)]
 pub(crate) struct Settings {
-    /// Comments and messages are taken off the block.
+    /// Comments and messages are removed from the block.
     pub(crate) taken_off: [bool; 2],
 }
 

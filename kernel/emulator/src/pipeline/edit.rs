@@ -168,7 +168,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Whether the block is a line of a file as it was read, and this byte comes up nowhere in the file.
+    /// Whether the block is a line of a file as it was read, and this byte occurs nowhere in the file.
     pub(crate) fn is_line_without(&self, byte: u8) -> bool {
         let source = || self.channel.env.sources.get(self.channel.at.file);
         self.channel.text.edited.is_none() && source().is_some_and(|source| !source.has(byte))

@@ -210,7 +210,7 @@ impl Pace {
         self.events.push_back(Event { t_ns: event.t_ns - self.late, ..event });
     }
 
-    /// Shifts the events that are left, after all moves, to their time.
+    /// Shifts the remaining events, after all moves, to their time.
     pub(crate) fn shift(&mut self) {
         for event in &mut self.events {
             event.t_ns += self.late;

@@ -146,7 +146,7 @@ pub(crate) enum Task {
         /// Axes that go back before the others, bit by axis.
         off: u8,
     },
-    /// They are roughed, with pockets if the program says so; else as their first block tells.
+    /// They are roughed, with pockets if the program says so; otherwise as their first block tells.
     Rough(rough::Settings, Option<bool>),
     /// A thread is cut along them, in a face if they are of one.
     Thread {

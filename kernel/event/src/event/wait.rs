@@ -59,7 +59,7 @@ record! {
         pub meeting: u64 = 4,
         /// Same text as in [`Wait::mark`].
         pub mark: Arc<str> = 5 [wire],
-        /// Channel whose operation ended the wait: the last to come, who set the flag or sent the signal.
+        /// Channel whose operation ended the wait: the last to come, or the one that set the flag or sent the signal.
         pub by: u16 = 6 [wire],
     }
 

@@ -28,7 +28,7 @@ pub(crate) struct Candidate {
     pub(crate) channel: u16,
     /// It has something to do.
     pub(crate) ready: bool,
-    /// It needs an empty chunk, which it gets when the others come up.
+    /// It needs an empty chunk, which it gets when the others catch up.
     pub(crate) far_ahead: bool,
     /// It does nothing before this time, ns.
     pub(crate) bound: i64,

@@ -6,7 +6,7 @@ use counterpoint_lang::state::State;
 use super::Standalone;
 
 impl Standalone {
-    /// Does something with the folder of the run and its files.
+    /// Runs an operation on the folder of the run and its files.
     pub(super) fn with_files<R>(&mut self, work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R) -> R {
         self.disk.with(self.outside.as_mut(), work)
     }

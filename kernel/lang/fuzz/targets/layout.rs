@@ -7,7 +7,7 @@ use counterpoint_lang::source::Source;
 use counterpoint_lang::layout::{self, Style};
 use libfuzzer_sys::fuzz_target;
 
-/// Meaning of a text: the numbers of its errors, or else its instructions and constants.
+/// Meaning of a text: the numbers of its errors, otherwise its instructions and constants.
 fn meaning(text: &str) -> Result<Vec<String>, Vec<u32>> {
     let mut program = Program::new();
     let added = compile::add(&mut program, &mut Standalone::new(), Source::new("any", text), Options::default());

@@ -34,13 +34,13 @@ pub enum Command<'a> {
     Skip(i64),
     /// PPRINT
     Print(&'a str),
-    /// SYSTEM; the answer is the status
+    /// SYSTEM; returns the status
     System(&'a str),
 }
 
 /// The control that executes the commands of macros.
 pub trait Blocks: Registers {
-    /// Executes a command; the answer is a status for `$ERRNO`.
+    /// Executes a command; returns a status for `$ERRNO`.
     ///
     /// # Errors
     /// The command is not available here, or failed.

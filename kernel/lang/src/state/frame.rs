@@ -18,14 +18,15 @@ pub(crate) struct Frame {
     pub(crate) registers: Vec<Value>,
     /// Which macro it is.
     pub(crate) index: u16,
-    /// Who waits for it, none for the outermost macro; at which instruction, and the register for the result.
+    /// The frame that waits for it, none for the outermost macro; at which instruction, and the register for the
+    /// result.
     pub(crate) caller: Option<Box<Frame>>,
     pub(crate) at: usize,
     pub(crate) to: u16,
 }
 
 impl Frame {
-    /// Notes who waits for this macro.
+    /// Records the frame that waits for this macro.
     #[inline]
     pub(crate) fn wait(&mut self, caller: Box<Frame>, at: usize, to: u16) {
         if let Some(other) = self.caller.replace(caller) {

@@ -156,7 +156,7 @@ impl State {
         self.memory.over.is_some()
     }
 
-    /// Who keeps most, once the budget of memory is used up.
+    /// The largest user of memory, once the budget of memory is used up.
     pub fn over_memory(&mut self) -> Option<String> {
         self.memory.over.take()
     }

@@ -354,7 +354,7 @@ fn same(window: &Window, a: Near, b: Near) -> Option<bool> {
     if is_light(a) && is_light(b) { Some(a.equals(b) == Some(true)) } else { None }
 }
 
-/// Joins two texts; the answer is the ticks that are left.
+/// Joins two texts; returns the remaining ticks.
 #[inline(never)]
 fn join(state: &mut State, window: &mut Window, (to, a, b): (Near, Near, Near), ticks: u64) -> Option<u64> {
     let (Value::Text(x), Value::Text(y)) = (window.get(usize::from(a))?, window.get(usize::from(b))?) else {
@@ -438,7 +438,7 @@ pub(super) fn push(state: &mut State, elements: &mut Elements, number: f64) -> b
     }
 }
 
-/// Makes a sequence of single values; the answer is the ticks that are left.
+/// Makes a sequence of single values; returns the remaining ticks.
 #[inline(never)]
 fn sequence(state: &mut State, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
     let left = ticks.checked_sub(slots.len() as u64 / 4)?;

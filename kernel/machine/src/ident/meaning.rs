@@ -38,7 +38,7 @@ pub fn of(name: &str) -> Option<String> {
     Some(row(name).unwrap_or_else(|| in_words(name)))
 }
 
-/// The meaning in the table: of the name itself, or else of the longest beginning of it.
+/// The meaning in the table: of the name itself, otherwise of the longest beginning of it.
 fn row(name: &str) -> Option<String> {
     let rows = || MEANINGS.lines().filter_map(|line| line.split_once('\t'));
     if let Some((_, meaning)) = rows().find(|(row, _)| *row == name) {

@@ -51,7 +51,7 @@ pub(super) fn read(files: &dyn Files, name: &str, within: &[String], check: &Che
     Some(Merged { table, start, folder, chain: folders, own_signs })
 }
 
-/// The folder that a name means: the first one inside those of `within`, except for those that were seen, or else one
+/// The folder that a name means: the first one inside those of `within`, except for those that were seen, otherwise one
 /// beside them.
 fn resolved(files: &dyn Files, name: &str, within: &[String], seen: &[String]) -> String {
     let mut inside = within.iter().filter(|_| is_plain(name)).map(|outer| format!("{outer}/{name}"));

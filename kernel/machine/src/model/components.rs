@@ -23,7 +23,7 @@ pub struct Component {
     pub machine: Arc<Machine>,
 }
 
-/// Who reads the texts of programs.
+/// Readers of the texts of programs.
 impl Machine {
     /// This definition; where a component has another pre-processor, the first component with each pre-processor.
     #[must_use]

@@ -114,7 +114,7 @@ pub struct Tilting {
     pub turns: orient::Turns,
     /// Which of two ways.
     pub way: orient::Way,
-    /// A wish for a side means the larger or smaller angle, not its sign.
+    /// A request for a side means the larger or smaller angle, not its sign.
     pub larger: bool,
     /// An axis that has nothing to do goes to zero.
     pub zero: bool,

@@ -1,4 +1,4 @@
-//! A contour moved square to itself.
+//! A contour moved perpendicular to itself.
 //!
 //! *Invariant:* the pieces of the result follow each other without gaps. Where a piece is too small for the amount, or
 //! its neighbours would meet before it, there is none.

@@ -45,7 +45,7 @@ pub enum Way {
     AxisByAxis,
 }
 
-/// A wish about the axis that tilts.
+/// A request about the tilting axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// Its angle is not below zero, or not above; there is no other way.

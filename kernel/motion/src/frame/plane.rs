@@ -29,7 +29,7 @@ pub fn turned_about_fixed([a, b, c]: [usize; 3], [first, second, third]: Point) 
     turned([c, b, a], [third, second, first])
 }
 
-/// A rotation by the directions of its X and Z, of any length. X is made square to Z; none if they are parallel.
+/// A rotation by the directions of its X and Z, of any length. X is made perpendicular to Z; none if they are parallel.
 pub fn of_directions(x: Point, z: Point) -> Option<Affine> {
     let direction = |of: Vector3<f64>| {
         let length = of.norm();

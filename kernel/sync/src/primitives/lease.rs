@@ -13,7 +13,7 @@ use crate::wait::{Key, Missing, Set, Wait};
 #[derive(Debug, Clone, Default)]
 struct Lease {
     holder: Option<u16>,
-    /// Who waits for it, first come first.
+    /// The frame that waits for it, first come first.
     queue: Vec<u16>,
     /// Where an axis has been moved; none while it is where the job found it.
     moved: Option<Moved>,

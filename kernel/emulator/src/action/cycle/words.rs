@@ -78,7 +78,8 @@ pub(super) fn take_position(act: &mut Act<'_, '_>) -> Words {
     words
 }
 
-/// A feed of the cycle's own lasts until another one is programmed or the cycle ends; else that of the mode counts.
+/// A feed of the cycle's own lasts until another one is programmed or the cycle ends; otherwise that of the mode
+/// counts.
 fn take_feed(act: &mut Act<'_, '_>) {
     let own = [
         (data::CYCLE_UPM, FeedUnit::PerMinute),

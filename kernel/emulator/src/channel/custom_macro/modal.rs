@@ -28,7 +28,7 @@ pub(crate) struct ModalCall {
     pub(super) by: Option<By>,
 }
 
-/// The modal calls in force, the last one made at the end.
+/// The active modal calls, the last one made at the end.
 #[derive(Debug, Default)]
 pub(crate) struct ModalCalls {
     calls: Vec<ModalCall>,

@@ -123,7 +123,7 @@ impl Kernel<'_> {
         store.set_element(names().kernel_name, (at, 0), Value::text(name));
     }
 
-    /// `$MCENAM` of this kernel where macros have changed it, for diagnostics; else blank.
+    /// `$MCENAM` of this kernel where macros have changed it, for diagnostics; otherwise blank.
     pub(crate) fn kernel_name(&self) -> String {
         let at = (i64::from(self.channel.kernel_number()), 0);
         let set = self.macros.variables.store.element(names().kernel_name, at);
