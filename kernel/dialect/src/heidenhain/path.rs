@@ -230,7 +230,7 @@ pub(super) fn actual(host: &dyn Host) -> Position {
     out
 }
 
-/// Executes a path block: the remaining blocks.
+/// Executes a path block; returns the remaining blocks.
 pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[Step]) -> Result<Vec<String>, Halt> {
     let actual = actual(host);
     let start = path.base.unwrap_or(actual);

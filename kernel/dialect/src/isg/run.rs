@@ -67,7 +67,7 @@ impl Left {
 }
 
 impl Isg {
-    /// Executes a block: the text of the remaining words.
+    /// Executes a block; returns the text of the remaining words.
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &[u8]) -> Outcome<Option<String>> {
         let place = host.place();
         if places::is_head(text) {

@@ -72,7 +72,7 @@ pub(super) enum Then {
 }
 
 impl Siemens {
-    /// Executes a block: the text of the remaining words.
+    /// Executes a block; returns the text of the remaining words.
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, whole: &str) -> Outcome<Option<String>> {
         let Some(text) = skipped(host, whole) else { return Ok(None) };
         let place = host.place();

@@ -60,7 +60,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// The remaining words of a block act.
+    /// Executes the remaining words of a block.
     fn left_words(&mut self, text: &str, whole: &[u8]) -> Acted {
         // A sequence number alone is nothing that a loop could wait for.
         let number = text.trim().strip_prefix(['N', 'n']).unwrap_or("");

@@ -110,7 +110,7 @@ impl<'a> Director<'a> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where a channel is in the eyes of the job.
+    /// State of a channel for the job.
     fn doing(&self, channel: u16) -> Doing {
         let index = self.info.channel_index(channel);
         index.and_then(|index| self.control.progress().get(index)).map_or(Doing::NotStarted, |now| now.state())

@@ -13,7 +13,7 @@ use crate::wait::{Key, Missing, Set, Wait};
 #[derive(Debug, Clone, Default)]
 struct Lease {
     holder: Option<u16>,
-    /// The frame that waits for it, first come first.
+    /// Channels that wait for it, in the order of arrival.
     queue: Vec<u16>,
     /// Where an axis has been moved; none while it is where the job found it.
     moved: Option<Moved>,
