@@ -93,6 +93,9 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("O1\nT1 M6\nG43 H1 Z5.\nM98 P2 H10\n", "mitsubishi-mill"),
     ("T1 M6\nG81 Z-5. R1. K0 F100\nG34 X0 Y0 I50. J0 K6\n", "mitsubishi-mill"),
     ("T1 M6\nIF [#1 EQ 1]\nG0 X1.\nENDIF\n", "mitsubishi-mill"),
+    // ,R1 beside a tap is its kind, beside a line a corner.
+    ("O1\nG90 G54 G0 X0 Y0 S500 M3\nG98G84X10.Y-30.Z-12.R5.F500.,R1\nG80\nM30\n", "mitsubishi-mill"),
+    ("O1\nG90 G54 G0 X0 Y0 S500 M3\nG84 Z-12. R5. F500.\nG1 X9. ,R1.\nY9.\nT1 M6\n", "fanuc-mill"),
     // Statements of custom macros are blocks.
     ("O1\n#1=#2 MOD 3\nWHILE[#1LT5]DO1\n#1=#1+1\nEND1\nGOTO 10\nPOPEN\nN10 T1 M6\n", "fanuc-mill"),
 ];
