@@ -38,7 +38,7 @@ impl Facts {
         Self {
             axes: axes.into_iter().flatten().filter_map(name).collect(),
             edges: edges.unwrap_or(0),
-            by_name: tool("by_name").and_then(toml::Value::as_bool).unwrap_or(false),
+            by_name: tool("named_from").is_some(),
         }
     }
 

@@ -32,9 +32,6 @@ impl Heidenhain {
             Value::Number(number) => return Ok(Some(shown(number))),
             Value::Text(name) => name,
         };
-        if let Some(number) = evaluator.host.tool_named(name.trim()) {
-            return Ok(Some(number.to_string()));
-        }
         let quoted = format!("\"{name}\"");
         Ok(match evaluator.ask(&quoted)? {
             Asked::Value(Value::Number(number)) => Some(shown(number)),
@@ -42,6 +39,10 @@ impl Heidenhain {
             Asked::Kept => Some(quoted),
             Asked::Nothing => None,
             Asked::Unknown => {
+                if let Some(number) = host.tool_number(&name) {
+                    host.name_tool(number, &name);
+                    return Ok(Some(number.to_string()));
+                }
                 let text = format!("tool {quoted} not found in '{}'", host.block_text());
                 host.diagnose(&diag::TOOL_NAME, text);
                 None

@@ -117,8 +117,12 @@ pub trait Frames {
     /// Number of the tool that is loaded.
     fn tool(&self) -> u32;
 
-    /// Number of the tool with this name in the tables of the machine.
-    fn tool_named(&self, name: &str) -> Option<u32>;
+    /// Number of the tool with this name: that of the tables of the machine, or one of the channel's own; none if the machine
+    /// numbers no names.
+    fn tool_number(&mut self, name: &str) -> Option<u32>;
+
+    /// A tool is called by a name, which the results show.
+    fn name_tool(&mut self, number: u32, name: &str);
 
     /// Length along the tool and radius that are active.
     fn tool_in_force(&self) -> [f64; 2];

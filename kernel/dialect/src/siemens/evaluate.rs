@@ -58,17 +58,8 @@ impl Evaluate<Data, Own> for Values<'_> {
     }
 }
 
-/// The number of a tool by its name, which the machine knows: names that the program has written take precedence.
+/// The number of a tool by its name. The macros of the machine know the names that the program has written.
 const TOOL_NAME: &str = "$P_TOOLNAME";
-
-/// `$P_TOOLNAME["NAME"]` as a request to the machine: with the number of the tool in the tables, if they have the name.
-fn with_number(host: &dyn Host, asked: String) -> String {
-    let name = asked.split('"').nth(1).unwrap_or_default();
-    match (host.tool_named(name), asked.strip_suffix(']')) {
-        (Some(number), Some(start)) => format!("{start},{number}]"),
-        _ => asked,
-    }
-}
 
 impl Siemens {
     /// Value of an expression.
@@ -102,9 +93,9 @@ impl Siemens {
             return Ok(Data::Real(self.variables.parameter(number)));
         }
         if name.name.starts_with('$') {
-            let mut asked = self.written(host, name)?;
+            let asked = self.written(host, name)?;
             if name.name == TOOL_NAME {
-                asked = with_number(host, asked);
+                return self.tool_number(host, &asked);
             }
             return match self.ask(host, &asked, None)? {
                 Answer::Instead(text) => {
@@ -151,6 +142,22 @@ impl Siemens {
                 None => Err(unknown(&asked)),
             },
         }
+    }
+
+    /// `$P_TOOLNAME["NAME"]`: the number that the program has given to the name, or that of the tables of tools, or a new one.
+    fn tool_number(&mut self, host: &mut dyn Host, asked: &str) -> Outcome<Data> {
+        let called = asked.split('"').nth(1).unwrap_or_default();
+        let value = match self.ask(host, asked, None)? {
+            Answer::Instead(text) => self.instead(host, &text)?,
+            _ => match host.tool_number(called) {
+                Some(number) => Data::Int(number.into()),
+                None => return Err(unknown(asked)),
+            },
+        };
+        if let Some(number) = number(&value).ok().filter(|number| (1.0..=99_999_999.0).contains(number)) {
+            host.name_tool(number as u32, called);
+        }
+        Ok(value)
     }
 
     /// `AX[…]`: the axis that a variable names.

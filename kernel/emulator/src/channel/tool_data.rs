@@ -24,8 +24,12 @@ impl Kernel<'_> {
     /// Called when the tool in use has been loaded, or another offset is active.
     pub(crate) fn report_tool(&mut self) {
         let tables = &self.channel.env.machine.tool;
-        let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.channel.state.place.offsets.is_none();
-        if self.channel.state.place.tools.current != 0 && !(nothing && self.plan.hooks.is_none()) {
+        let current = self.channel.state.place.tools.current;
+        let nothing = tables.data.is_empty()
+            && tables.offsets.is_empty()
+            && self.channel.state.place.offsets.is_none()
+            && self.channel.state.others.tools.called.name_of(current).is_none();
+        if current != 0 && !(nothing && self.plan.hooks.is_none()) {
             self.report_tool_data(self.tool_data(self.channel.state.place.tools.current));
         }
     }
@@ -57,7 +61,7 @@ impl Kernel<'_> {
     }
 
     fn report_tool_data(&mut self, data: ToolData) {
-        let reported = &mut self.channel.state.others.tools;
+        let reported = &mut self.channel.state.others.tools.reported;
         let known = match reported.get(&data.tool) {
             Some(before) => *before == data,
             None => reported.len() >= MOST || data == ToolData { tool: data.tool, ..ToolData::default() },
@@ -71,13 +75,14 @@ impl Kernel<'_> {
 
     fn tool_data(&self, tool: u32) -> ToolData {
         let facts = self.channel.env.machine.tool.facts(tool);
-        let before = self.channel.state.others.tools.get(&tool);
+        let before = self.channel.state.others.tools.reported.get(&tool);
         let written = |column| self.tool_cell(tool, column);
         let number = |column| written(column).and_then(Value::as_real).filter(|value| value.is_finite());
         let (diameter, radius) =
             if tool == self.channel.state.place.tools.current { self.offset_in_force() } else { (None, None) };
         let name = written(column::NAME).and_then(Value::as_text).map(str::trim).filter(|name| !name.is_empty());
-        let name = name.or(facts.map(|facts| facts.name.as_str())).unwrap_or_default();
+        let name = name.or(facts.map(|facts| facts.name.as_str()).filter(|name| !name.is_empty()));
+        let name = name.or_else(|| self.channel.state.others.tools.called.name_of(tool)).unwrap_or_default();
         let name: String = name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect();
         ToolData {
             tool,

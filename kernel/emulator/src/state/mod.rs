@@ -30,13 +30,12 @@ pub(crate) mod spindle;
 pub(crate) mod stored;
 pub(crate) mod swallowed;
 pub(crate) mod thread;
+pub(crate) mod tool_names;
 pub(crate) mod turning;
 pub(crate) mod units;
 pub(crate) mod waits;
 
-use rustc_hash::FxHashMap;
-
-use counterpoint_event::event::{Position, ToolData};
+use counterpoint_event::event::Position;
 use counterpoint_machine::Machine;
 use counterpoint_machine::model::{Channel, MachineKind};
 use counterpoint_sync::wait::Wait;
@@ -112,8 +111,8 @@ pub(crate) struct Others {
     pub(crate) turning: turning::Turning,
     /// Where the axes were before they went to the change position.
     pub(crate) before_change: Option<Position>,
-    /// The last report about each tool.
-    pub(crate) tools: FxHashMap<u32, ToolData>,
+    /// Names and reports of tools.
+    pub(crate) tools: tool_names::Tools,
     /// Functions still running beside the block, and beside all blocks before the next move at feed.
     pub(crate) running: [Option<Running>; 2],
     /// Where the channel waits before its cuts, while two channels begin them together.
@@ -152,7 +151,7 @@ impl Others {
             head: if side { 2 } else { 1 },
             turning: turning::Turning::new(machine),
             before_change: None,
-            tools: FxHashMap::default(),
+            tools: tool_names::Tools::default(),
             running: [None; 2],
             balance: None,
             beside: None,

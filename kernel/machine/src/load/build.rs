@@ -85,7 +85,10 @@ pub(super) fn machine(
     let mut shown = Vec::new();
     let macros = macros::read(&mut top, &names, (&codes, &data), (files, &storage, composite), &mut shown);
     idle::check(&mut top, &codes, head.preprocessor, channels.len(), check);
-    overlap::check_custom(&codes, &names.codes, macros.as_deref(), check);
+    // Codes of a composite are never read, and macros of its components take theirs.
+    if head.kind != MachineKind::Composite {
+        overlap::check_custom(&codes, &names.codes, macros.as_deref(), check);
+    }
     let tape_editor = tape::read(&mut top);
     let dialogs = dialogs::read(&mut top, files, macros.as_deref(), &shown, check);
     let mut diagnostics = diagnostics::read(&mut top, files);

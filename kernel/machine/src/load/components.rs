@@ -8,13 +8,14 @@
 //! composite, and its own GLOBAL variables belong to its object.
 
 use crate::model::{Channel, Machine, MachineKind};
+use crate::stored::StoredFile;
 use crate::toml::check::Check;
 use crate::toml::merge::merge;
 use crate::toml::node::{Entry, Node, Place, Table, Value};
 use crate::toml::section::Section;
 use counterpoint_lang::ident::minor_code;
 
-use super::chain::{Merged, is_plain, row_name};
+use super::chain::{FILE, Merged, is_plain, row_name};
 
 /// Most components of a machine.
 const MOST: usize = 99;
@@ -24,7 +25,7 @@ pub(super) const COMMON: [&str; 8] =
     ["axes", "channels", "spindles", "waits", "sync", "format", "tool", "work_offsets"];
 
 /// Keys of `[tool]` for the form in which programs of a control name tools; each component has its own.
-const OWN_TOOL_KEYS: [&str; 3] = ["offset_digits", "edges", "by_name"];
+const OWN_TOOL_KEYS: [&str; 3] = ["offset_digits", "edges", "named_from"];
 
 /// Sections whose keys a component has from its composite unless its own folder or `add` gives them. A component with
 /// another pre-processor has only those of the first list.
@@ -211,6 +212,94 @@ fn preprocessor(section: &Value) -> Option<&str> {
 
 fn entry(key: &str, place: &Place, value: Value) -> Entry {
     Entry { key: key.to_owned(), place: place.clone(), node: Node { place: place.clone(), value } }
+}
+
+/// Leaves out the macros and stored files that a composite has from the family of a control: they are its components'.
+///
+/// The family begins after the last folder of the chain that says `type = "composite"` or has rows of components.
+pub(super) fn leave_out_family(composite: &mut Merged) {
+    let of_machine = composite.table.get("machine").and_then(|node| match &node.value {
+        Value::Table(machine) => machine.get("type").filter(|_| machine.text("type") == Some("composite")),
+        _ => None,
+    });
+    let Some(kind) = of_machine else { return };
+    let rows = match composite.table.get("components").map(|node| &node.value) {
+        Some(Value::Array(rows)) => rows.as_slice(),
+        _ => &[],
+    };
+    let places: Vec<&Place> = rows.iter().map(|row| &row.place).chain([&kind.place]).collect();
+    let says =
+        |folder: &String| places.iter().any(|place| place.file.strip_suffix(FILE) == Some(&format!("{folder}/")));
+    let last = composite.chain.iter().rposition(says).unwrap_or(0);
+    let own: Vec<String> = composite.chain.iter().take(last + 1).map(|folder| format!("{folder}/{FILE}")).collect();
+    let is_own = |entry: &Entry| own.iter().any(|file| **file == *entry.place.file);
+    composite.table.entries.retain(|entry| entry.key != "files" || is_own(entry));
+    if let Some(macros) = composite.table.table_mut("macros") {
+        macros.entries.retain(is_own);
+    }
+}
+
+/// Reports a composite without words of its own, which its waits and its axes need.
+pub(super) fn check_family(composite: &Merged, check: &Check) {
+    let Some(Value::Array(rows)) = composite.table.get("components").map(|node| &node.value) else { return };
+    let missing = ["registers", "codes", "data"].iter().any(|key| composite.table.get(key).is_none());
+    if !missing || composite.table.get("extends").is_some() {
+        return;
+    }
+    let first = rows.iter().find_map(|row| match &row.value {
+        Value::Table(row) => row.text("machine"),
+        _ => None,
+    });
+    let family = first.map(|first| format!("; add extends = \"{first}\"")).unwrap_or_default();
+    check.error(
+        &composite.start,
+        format!(
+            "a composite machine has the words of its waits and axes from the definition of a component, which it \
+             extends{family}"
+        ),
+    );
+    check.set_incomplete();
+}
+
+/// Warns of a component whose programs are read in the form of another family.
+pub(super) fn check_format(component: &Merged, composite: (&Table, &[String]), row: &Row, check: &Check) {
+    let control = |table: &Table| table.get("ce").and_then(|ce| preprocessor(&ce.value).map(str::to_owned));
+    let (table, folders) = composite;
+    let family = folders.last().filter(|_| folders.len() > 1);
+    let is_of_family = component.chain.iter().any(|folder| folders.contains(folder));
+    if let Some(family) = family.filter(|_| !is_of_family && control(&component.table) == control(table)) {
+        check.warning(
+            &row.place,
+            format!(
+                "{} has the [format] of the composite, which is that of {family}: the composite must extend {} or a family \
+                 of it",
+                row.folder, row.folder
+            ),
+        );
+    }
+}
+
+/// The files stored with a composite: its own, and those of its components.
+pub(super) fn stored(composite: &[StoredFile], rows: &[(&Row, &Machine)], check: &Check) -> Vec<StoredFile> {
+    let mut all = composite.to_vec();
+    for (row, component) in rows {
+        for file in &component.storage {
+            match all.iter().find(|other| other.path.eq_ignore_ascii_case(&file.path)) {
+                None => all.push(file.clone()),
+                Some(other) if other.content == file.content => {}
+                Some(_) => check.error(
+                    &row.place,
+                    format!(
+                        "{} has a stored file {} with another content than that of the composite or of another component; \
+                         files stored with a machine belong to all channels, rename one of them",
+                        row.folder, file.path
+                    ),
+                ),
+            }
+        }
+    }
+    all.sort_by(|a, b| a.path.cmp(&b.path));
+    all
 }
 
 /// The declaration macro of a composite, whose GLOBAL variables its components see: name of the file, and where it is

@@ -81,6 +81,8 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
     let check = Check::default();
     let machine = chain::read(files, folder, &[], &check).map(|mut merged| {
         questionnaire::expand(&mut merged.table, &check);
+        components::leave_out_family(&mut merged);
+        components::check_family(&merged, &check);
         let plain = merged.table.clone();
         waits::expand(&mut merged.table);
         let (mut machine, rows) = build::machine(&merged, files, None, &check);
@@ -88,7 +90,10 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
             components::check_macros(&plain, &check);
             components::check_sections(&plain, &machine.file, &check);
             components::check_tool_words(&plain, &machine.file, &check);
-            machine.components = made_of(&machine, (&plain, &merged.chain), &rows, files, &check);
+            let made = made_of(&machine, (&plain, &merged.chain), &rows, files, &check);
+            let of_rows: Vec<_> = made.iter().map(|(row, one)| (*row, &*one.machine)).collect();
+            machine.storage = components::stored(&machine.storage, &of_rows, &check);
+            machine.components = made.into_iter().map(|(_, component)| component).collect();
         }
         machine
     });
@@ -99,13 +104,13 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
 
 /// The components of a composite machine. Faults in a section that they have from the composite are reported once, as
 /// faults of the composite.
-fn made_of(
+fn made_of<'r>(
     composite: &Machine,
     (table, folders): (&Table, &[String]),
-    rows: &[components::Row],
+    rows: &'r [components::Row],
     files: &dyn Files,
     check: &Check,
-) -> Vec<Component> {
+) -> Vec<(&'r components::Row, Component)> {
     let mut made = Vec::new();
     for row in rows {
         let own = Check::default();
@@ -113,6 +118,7 @@ fn made_of(
             own.into_findings().into_iter().for_each(|finding| check.error(&row.place, finding.text));
             continue;
         };
+        components::check_format(&merged, (table, folders), row, check);
         let mut merged = components::fit(merged, table, row);
         questionnaire::expand(&mut merged.table, &own);
         waits::expand(&mut merged.table);
@@ -120,7 +126,8 @@ fn made_of(
         components::check_fit(&machine, composite, row, &own);
         own.pass_on(check, |finding| finding.error || finding.file != composite.file);
         let (designator, name) = (row.designator.clone(), row.name.clone());
-        made.push(Component { designator, name, channels: row.channels.clone(), machine: Arc::new(machine) });
+        let channels = row.channels.clone();
+        made.push((row, Component { designator, name, channels, machine: Arc::new(machine) }));
     }
     made
 }

@@ -31,7 +31,7 @@ pub(super) fn read(top: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Ch
         section.error("change_motion", "`change_motion` needs `change_position`, the axes to move and where to");
     }
     tool.edges = section.integer("edges", 2..=1000).unwrap_or(0) as u32;
-    tool.by_name = section.flag("by_name").unwrap_or(false);
+    tool.named_from = section.integer("named_from", 1..=99_999_999).map(|number| number as u32);
     for mut row in section.rows("offsets", "[[tool.offsets]]", MOST) {
         if let Some(offset) = read_offset(&mut row, axes, check) {
             if tool.offsets.iter().any(|other| other.number == offset.number) {

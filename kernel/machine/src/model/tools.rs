@@ -19,8 +19,8 @@ pub struct Tool {
     pub names: Vec<(String, u32)>,
     /// Offsets of a tool: its edge D has the offset `edges` × T + D; 0 = the offset has the number of the tool.
     pub edges: u32,
-    /// Programs call tools by their names.
-    pub by_name: bool,
+    /// Programs call tools by their names; names that are in no table get numbers from this one on.
+    pub named_from: Option<u32>,
 }
 
 /// The machine's data of a tool.

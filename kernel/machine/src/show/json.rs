@@ -75,7 +75,7 @@ pub fn json(machine: &Machine) -> Value {
             "initial": machine.variables.system.initial, "system": system(machine),
             "external": external(machine), "other_external": machine.variables.external.any },
         "tool": { "offset_digits": machine.tool.offset_digits, "edges": machine.tool.edges,
-            "by_name": machine.tool.by_name, "offsets": tool_offsets(machine), "data": tool_data(machine) },
+            "named_from": machine.tool.named_from, "offsets": tool_offsets(machine), "data": tool_data(machine) },
         "components": machine.components.iter().map(component).collect::<Vec<_>>(),
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
     })

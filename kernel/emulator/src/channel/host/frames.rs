@@ -212,8 +212,14 @@ impl Frames for Kernel<'_> {
         self.channel.state.place.tools.current
     }
 
-    fn tool_named(&self, name: &str) -> Option<u32> {
-        self.channel.env.machine.tool.number_of(name)
+    fn tool_number(&mut self, name: &str) -> Option<u32> {
+        let tool = &self.channel.env.machine.tool;
+        let name = name.trim();
+        tool.number_of(name).or_else(|| self.channel.state.others.tools.called.number(name, tool.named_from?))
+    }
+
+    fn name_tool(&mut self, number: u32, name: &str) {
+        self.channel.state.others.tools.called.name(number, name.trim());
     }
 
     fn polar(&self) -> [Option<f64>; 2] {

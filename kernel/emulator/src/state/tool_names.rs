@@ -1,0 +1,56 @@
+//! The reports of tools, and tools that a program calls by names that no table has.
+//!
+//! *Invariant:* a name keeps its number to the end of the run, whichever component of a composite machine reads it.
+
+use counterpoint_event::event::ToolData;
+use rustc_hash::FxHashMap;
+
+/// Names and reports of tools.
+#[derive(Debug, Default)]
+pub(crate) struct Tools {
+    /// Tools that the program calls by names.
+    pub(crate) called: Called,
+    /// The last report about each tool.
+    pub(crate) reported: FxHashMap<u32, ToolData>,
+}
+
+/// Most names of each kind; the numbers of further names are not kept.
+const MOST: usize = 1000;
+
+/// Names of tools with numbers.
+#[derive(Debug, Default)]
+pub(crate) struct Called {
+    /// Names that got numbers, in their order.
+    numbered: Vec<String>,
+    /// Names by which tools were called, by number.
+    names: Vec<(u32, String)>,
+}
+
+impl Called {
+    /// The number of a name; a new name gets the next one from `first` on.
+    pub(crate) fn number(&mut self, name: &str, first: u32) -> Option<u32> {
+        let at = self.numbered.iter().position(|known| known.eq_ignore_ascii_case(name)).unwrap_or_else(|| {
+            if self.numbered.len() < MOST {
+                self.numbered.push(name.to_owned());
+            }
+            self.numbered.len() - 1
+        });
+        first.checked_add(at as u32)
+    }
+
+    /// A tool is called by a name.
+    pub(crate) fn name(&mut self, number: u32, name: &str) {
+        let has_room = self.names.len() < MOST;
+        match self.names.iter_mut().find(|(known, _)| *known == number) {
+            Some((_, known)) if known == name => {}
+            Some((_, known)) => name.clone_into(known),
+            None if has_room => self.names.push((number, name.to_owned())),
+            None => {}
+        }
+    }
+
+    /// The name by which a tool was called last.
+    pub(crate) fn name_of(&self, number: u32) -> Option<&str> {
+        self.names.iter().find(|(known, _)| *known == number).map(|(_, name)| name.as_str())
+    }
+}
