@@ -156,8 +156,8 @@ pub(super) fn length_on(act: &mut Act<'_, '_>, number: u32) {
 }
 
 impl Act<'_, '_> {
-    /// Reports a work offset that has no values, if the machine or its table of tools gives values to others: without
-    /// any, all are zero as G54 is.
+    /// Reports a work offset that has no values, if the machine or its table of tools gives values to other work
+    /// offsets. Otherwise all are zero, as G54 is.
     pub(super) fn missing_work_offset(&mut self, number: u32) {
         let offsets = &self.env.machine.work_offsets;
         let known = offsets.iter().any(|values| values.iter().any(|value| *value != 0.0));
