@@ -94,10 +94,33 @@ fn errors(slopes: &DMatrix<f64>, left: &DVector<f64>) -> Vec<Option<f64>> {
         return nothing;
     }
     let variance = left.norm_squared() / freedom as f64;
-    let sized = |at: usize| slopes.column(at).norm_squared() > 1e-18;
-    let Some(inverse) = slopes.tr_mul(slopes).try_inverse() else { return nothing };
-    let error = |at: usize| inverse.get((at, at)).map(|part| (part.max(0.0) * variance).sqrt());
-    (0..columns).map(|at| error(at).filter(|error| sized(at) && error.is_finite())).collect()
+    let norms: Vec<f64> = slopes.column_iter().map(|column| column.norm()).collect();
+    let used: Vec<usize> = (0..columns).filter(|at| norms.get(*at).is_some_and(|norm| *norm > 1e-9)).collect();
+    let scaled: Vec<DVector<f64>> = used.iter().map(|at| slopes.column(*at).normalize()).collect();
+    if scaled.is_empty() {
+        return nothing;
+    }
+    let parts = DMatrix::from_columns(&scaled).svd(false, true);
+    let Some(directions) = parts.v_t else { return nothing };
+    let mut errors = nothing;
+    for (place, at) in used.iter().enumerate() {
+        let shares = directions.column(place);
+        // A parameter in a direction that changes nothing acts only together with others.
+        let together =
+            shares.iter().zip(&parts.singular_values).any(|(share, size)| *size < 1e-6 && share.abs() > 1e-3);
+        let sum: f64 = shares
+            .iter()
+            .zip(&parts.singular_values)
+            .filter(|(_, size)| **size >= 1e-6)
+            .map(|(v, s)| (v / s).powi(2))
+            .sum();
+        let norm = norms.get(*at).copied().unwrap_or(1.0);
+        let error = (sum * variance).sqrt() / norm;
+        if let Some(slot) = errors.get_mut(*at).filter(|_| !together && error.is_finite()) {
+            *slot = Some(error);
+        }
+    }
+    errors
 }
 
 #[cfg(test)]

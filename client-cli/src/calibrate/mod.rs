@@ -1,7 +1,8 @@
 //! `counterpoint calibrate`: fits the times of a machine to measured times of the lines of a program.
 //!
 //! The program runs in this process with other data of the machine until the squares of the differences are least.
-//! *Invariant:* the values reported as fitted are those with which the machine runs.
+//! *Invariant:* the values reported as fitted are those with which the machine runs; data that the measured times do not
+//! determine keep their values.
 
 mod data;
 mod fit;
@@ -33,6 +34,9 @@ use measured::Lines;
 /// Smallest value of a datum that is above zero, as its logarithm.
 const LEAST: f64 = -14.0;
 
+/// Largest value of a datum: beyond it the measured times do not determine the datum.
+const MOST: f64 = 1e9;
+
 /// Measured lines named in a message.
 const NAMED: usize = 5;
 
@@ -50,9 +54,15 @@ struct Trial {
 struct Fitted {
     datum: Datum,
     before: Option<f64>,
-    after: f64,
-    /// Standard error, if the measurements determine the datum.
-    error: Option<f64>,
+    /// The fitted value with its standard error, if the measurements determine the datum; otherwise it is unchanged.
+    fitted: Option<(f64, f64)>,
+}
+
+impl Fitted {
+    /// The value with which the machine runs, if it has one.
+    fn after(&self) -> Option<f64> {
+        self.fitted.map(|(value, _)| value).or(self.before)
+    }
 }
 
 /// The output.
@@ -76,6 +86,13 @@ pub(crate) fn calibrate(arguments: &Calibrate) -> Result<u8, Error> {
     }
     for doubt in report::doubts(machine, &calibration) {
         say::status_line(format_args!("warning: {doubt}"));
+    }
+    if calibration.data.iter().all(|datum| datum.fitted.is_none()) {
+        return Err(Error::Usage(
+            "the measured times determine no datum of the machine: check that they belong to this program, and measure more \
+             lines"
+                .to_owned(),
+        ));
     }
     if let Some(folder) = &arguments.out {
         write(folder, &arguments.machine, machine, &calibration)?;
@@ -158,17 +175,33 @@ impl Trial {
                 lines.join(", ")
             )));
         }
-        let start: Vec<f64> = kept.iter().map(|datum| self.parameter(datum)).collect();
-        let steps: Vec<f64> = kept.iter().map(|datum| if datum.is_factor() { 1e-3 } else { 1e-4 }).collect();
-        let fit = fit::fit(start, &steps, |values| {
-            Ok::<_, Error>(self.differences(&self.seconds(&self.run(self.with(&kept, values))?)))
-        })?;
+        // Data that are not determined keep their values, and the others are fitted again without them.
+        let mut open = Vec::new();
+        let fit = loop {
+            let start: Vec<f64> = kept.iter().map(|datum| self.parameter(datum)).collect();
+            let steps: Vec<f64> = kept.iter().map(|datum| if datum.is_factor() { 1e-3 } else { 1e-4 }).collect();
+            let fit = fit::fit(start, &steps, |values| {
+                Ok::<_, Error>(self.differences(&self.seconds(&self.run(self.with(&kept, values))?)))
+            })?;
+            let found = kept.iter().zip(&fit.values).zip(&fit.errors);
+            let is_open = |((datum, value), error): ((&Datum, &f64), &Option<f64>)| {
+                let value = actual(datum, *value);
+                let error = error.map(|error| if datum.is_factor() { error * value } else { error });
+                !value.is_finite() || value > MOST || !error.is_some_and(f64::is_finite)
+            };
+            match found.map(is_open).collect::<Vec<_>>().iter().rposition(|open| *open) {
+                Some(at) => open.push(kept.remove(at)),
+                None => break fit,
+            }
+        };
         let after = self.seconds(&self.run(self.with(&kept, &fit.values))?);
-        let data = kept.into_iter().zip(fit.values).zip(fit.errors).map(|((datum, value), error)| {
+        let found = kept.into_iter().zip(fit.values).zip(fit.errors).map(|((datum, value), error)| {
             let after = actual(&datum, value);
             let error = error.map(|error| if datum.is_factor() { error * after } else { error });
-            Fitted { before: datum.value(&self.machine), after, error, datum }
+            Fitted { before: datum.value(&self.machine), fitted: error.map(|error| (after, error)), datum }
         });
+        let unchanged = |datum: Datum| Fitted { before: datum.value(&self.machine), fitted: None, datum };
+        let data = found.chain(open.into_iter().rev().map(unchanged));
         let of = |times: &BTreeMap<u32, f64>, line: &u32| times.get(line).copied().unwrap_or(0.0);
         let lines = self.lines.iter().map(|(line, seconds)| (*line, [*seconds, of(&before, line), of(&after, line)]));
         Ok(Calibration { data: data.collect(), lines: lines.collect() })

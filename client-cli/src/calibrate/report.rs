@@ -53,9 +53,9 @@ const DOUBTFUL: f64 = 10.0;
 pub(super) fn doubts(machine: &Machine, calibration: &Calibration) -> Vec<String> {
     let far = |a: f64, b: f64| a > 0.0 && b > 0.0 && (a / b).max(b / a) >= DOUBTFUL;
     let mut all = Vec::new();
-    for Fitted { datum, before, after, .. } in &calibration.data {
-        if let Some(before) = before.filter(|before| far(*before, *after)) {
-            let (before, after) = (number(before), number(*after));
+    for Fitted { datum, before, fitted } in &calibration.data {
+        if let Some((before, (after, _))) = before.zip(*fitted).filter(|(before, (after, _))| far(*before, *after)) {
+            let (before, after) = (number(before), number(after));
             all.push(format!("{} would be {after} instead of {before}: check the measured times", datum.name(machine)));
         }
     }
@@ -84,13 +84,15 @@ pub(super) fn text(machine: &Machine, calibration: &Calibration, all: bool) -> S
         out.push_str("nothing was fitted: no datum of the machine changes a measured line\n");
     } else {
         let mut rows = vec![["datum", "before", "after", "error", "unit"].map(str::to_owned).to_vec()];
-        for Fitted { datum, before, after, error } in &calibration.data {
+        for one in &calibration.data {
+            let known = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
             rows.push(vec![
-                datum.name(machine),
-                before.map_or_else(|| "-".to_owned(), number),
-                number(*after),
-                error.map_or_else(|| "not determined".to_owned(), |error| format!("±{}", number(error))),
-                datum.unit().to_owned(),
+                one.datum.name(machine),
+                known(one.before),
+                known(one.after()),
+                one.fitted
+                    .map_or_else(|| "not determined, unchanged".to_owned(), |(_, error)| format!("±{}", number(error))),
+                one.datum.unit().to_owned(),
             ]);
         }
         out.push_str(&table(&rows, 1));
@@ -120,8 +122,9 @@ pub(super) fn json(machine: &Machine, calibration: &Calibration) -> Result<Strin
         let Quality { rms, whole } = Quality::of(calibration, which);
         json!({ "rms_s": rms, "whole": whole })
     };
-    let data = calibration.data.iter().map(|Fitted { datum, before, after, error }| {
-        json!({ "datum": datum.name(machine), "before": before, "after": after, "error": error })
+    let data = calibration.data.iter().map(|one| {
+        let error = one.fitted.map(|(_, error)| error);
+        json!({ "datum": one.datum.name(machine), "before": one.before, "after": one.after(), "error": error })
     });
     let lines = calibration.lines.iter().map(|(line, [measured, before, after])| {
         json!({ "line": line, "measured_s": measured, "before_s": before, "after_s": after })
@@ -141,8 +144,9 @@ pub(super) fn json(machine: &Machine, calibration: &Calibration) -> Result<Strin
 pub(super) fn definition(text: &str, machine: &Machine, calibration: &Calibration) -> Result<String, Error> {
     let parsed: Result<DocumentMut, _> = text.parse();
     let mut document = parsed.map_err(|error| Error::Usage(error.to_string()))?;
-    for Fitted { datum, after, .. } in &calibration.data {
-        let fitted = value(number(*after).parse::<f64>().unwrap_or(*after));
+    for Fitted { datum, fitted, .. } in &calibration.data {
+        let Some((after, _)) = *fitted else { continue };
+        let fitted = value(number(after).parse::<f64>().unwrap_or(after));
         match datum {
             Datum::Acceleration(axis) => on_axis(&mut document, &machine.axes[*axis].name, "acceleration", fitted),
             Datum::Rapid(axis) => on_axis(&mut document, &machine.axes[*axis].name, "rapid", fitted),

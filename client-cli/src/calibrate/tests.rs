@@ -32,8 +32,9 @@ fn the_data_of_a_machine_are_found_from_its_times() {
         machine.time.tool_change = 3.5;
     });
     let calibration = trial.calibrate().unwrap();
-    let of =
-        |name: &str| calibration.data.iter().find(|fitted| fitted.datum.name(&trial.machine) == name).unwrap().after;
+    let of = |name: &str| {
+        calibration.data.iter().find(|fitted| fitted.datum.name(&trial.machine) == name).unwrap().after().unwrap()
+    };
     for (name, real) in [
         ("acceleration of X", 3000.0),
         ("acceleration of Y", 4500.0),
@@ -56,7 +57,7 @@ fn a_definition_has_what_was_fitted() {
     let trial = trial(|machine| machine.time.tool_change = 3.5);
     let axis = trial.machine.axes.ids().next().unwrap();
     let row = trial.machine.codes.ids().next().unwrap();
-    let fitted = |datum, after| Fitted { datum, before: None, after, error: None };
+    let fitted = |datum, after| Fitted { datum, before: None, fitted: Some((after, 0.1)) };
     let data = vec![
         fitted(Datum::Acceleration(axis), 3123.456),
         fitted(Datum::ToolChange, 3.5),
@@ -69,4 +70,26 @@ fn a_definition_has_what_was_fitted() {
     assert_eq!(table["time"]["tool_change"].as_float(), Some(3.5));
     assert_eq!(table["time"]["m_codes"]["8"].as_float(), Some(0.25));
     assert_eq!(table["axes"][0]["acceleration"].as_float(), Some(3123.0));
+}
+
+/// The time of one rapid move says nothing about the rate and the acceleration of its axis apart, and nothing at all about
+/// data without a measured line.
+#[test]
+fn data_that_are_not_determined_keep_their_values() {
+    let mut trial = trial(|_| {});
+    trial.lines = Lines::from([(3, 2.5), (13, 400.0)]);
+    let calibration = trial.calibrate().unwrap();
+    let open: Vec<_> = calibration.data.iter().filter(|one| one.fitted.is_none()).collect();
+    assert!(!open.is_empty(), "{calibration:#?}");
+    for one in &open {
+        assert_eq!(one.after(), one.datum.value(&trial.machine));
+    }
+    for one in &calibration.data {
+        assert!(one.after().is_none_or(|value| value.is_finite() && value <= MOST), "{one:?}");
+    }
+    let base = "[[axes]]\nname = \"X\"\nrapid = 1\n\n[[axes]]\nname = \"Z\"\nrapid = 2\n";
+    let made = report::definition(base, &trial.machine, &calibration).unwrap();
+    assert!(!made.contains("inf"), "{made}");
+    let text = report::text(&trial.machine, &calibration, false);
+    assert!(text.contains("not determined, unchanged"), "{text}");
 }
