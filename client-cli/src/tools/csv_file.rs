@@ -191,7 +191,7 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
     let titles = reader.headers().map_err(|error| wrong(1, error.to_string()))?.clone();
     let columns: Vec<Column> = titles.iter().map(|title| Column::of(title, machine)).collect();
     let has = |column: &Column| columns.contains(column);
-    if !has(&Column::Number) && !has(&Column::Offset) && !(machine.by_name && has(&Column::Name)) {
+    if !(has(&Column::Number) || has(&Column::Offset) || machine.by_name && has(&Column::Name)) {
         let text =
             "the first line names the columns: number, and name, diameter, radius, tip, length or the names of axes";
         return Err(wrong(1, text.to_owned()));
