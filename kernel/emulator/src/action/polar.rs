@@ -207,7 +207,11 @@ impl Act<'_, '_> {
             let side = usize::from(polar.axes()[1] == polar.linear);
             self.check_swing(&to, polar.linear, made.turning_points(side))?;
         }
-        self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, to], feed, length))
+        let mut motion = Motion::straight(MotionKind::Linear, moving, [from, to], feed, length);
+        if let Some(center) = polar.on_face(&self.state.place, made.center) {
+            (motion.center, motion.plane_axes) = (center, [polar.linear, polar.rotary].map(|axis| axis.index() as u8));
+        }
+        self.travel(seconds, &motion)
     }
 
     /// Takes the word of an axis of the interpolation, in the axis's own unit.

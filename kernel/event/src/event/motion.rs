@@ -50,9 +50,12 @@ pub struct Motion {
     pub to: Position,
     /// Arc centre by the two plane axes of `plane_axes`, in programmed units (radius values are given as
     /// diameters on a diameter axis); of a circle in space where its middle is over the chord, as
-    /// `counterpoint_motion::space::Circle::bulge` gives it by radius values of X, Y and Z; unused otherwise.
+    /// `counterpoint_motion::space::Circle::bulge` gives it by radius values of X, Y and Z. A linear move with
+    /// `plane_axes` is an arc on the face of the part by polar interpolation: its centre, in radius values along X at
+    /// C0 and at right angles to it. Unused otherwise.
     pub center: [f64; 2],
-    /// Axis indices (channel order) of the first and second axis of the arc's plane; 255 = none.
+    /// Axis indices (channel order) of the first and second axis of the arc's plane, or of the linear and the rotary axis
+    /// of polar interpolation; 255 = none.
     pub plane_axes: [u8; 2],
     /// Full turns in addition to the arc from start to end.
     pub turns: u16,

@@ -1,8 +1,8 @@
 //! The path of live tools as seen on the face of the part: the view of moves of a C axis or a Y axis.
 //!
 //! Points are those of the part, not of the machine: the tool at radius X and height Y, turned by the angle of C. Moves
-//! of polar interpolation, whose axes follow a straight line on the face, are straight here as well. *Invariant:* only
-//! tools whose moves turn C or move Y are kept, so that turning tools leave no trace.
+//! of polar interpolation, whose axes follow a straight line or an arc on the face, are lines and arcs here as well.
+//! *Invariant:* only tools whose moves turn C or move Y are kept, so that turning tools leave no trace.
 
 use counterpoint_event::event::{FileId, Motion, MotionKind, Position};
 use counterpoint_event::info;
@@ -61,7 +61,8 @@ impl Face {
         let way = self.way(motion, axes, turns);
         // A full circle ends where it began.
         let is_aside = |position: &Position| self.y.is_some_and(|y| position.get(y) != motion.from.get(y));
-        self.live |= turns || changes(self.y) || way.iter().any(is_aside);
+        let is_polar_arc = motion.kind == MotionKind::Linear && motion.plane_axes != [u8::MAX; 2];
+        self.live |= turns || is_polar_arc || changes(self.y) || way.iter().any(is_aside);
         self.path.mark(tool, file);
         if !self.end.as_ref().is_some_and(|end| motion.starts_at(end)) {
             self.path.begin(self.point(&motion.from), line);
@@ -86,6 +87,9 @@ impl Face {
         if let Some(space) = Loop::of(motion, axes) {
             return chords::of_loop(motion, &space);
         }
+        if let Some(way) = self.polar_arc(motion) {
+            return way;
+        }
         let (from, to) = (self.point(&motion.from), self.point(&motion.to));
         let straight = from.iter().zip(to).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
         if !turns || motion.kind != MotionKind::Rapid && (motion.length - straight).abs() < STRAIGHT {
@@ -93,6 +97,40 @@ impl Face {
         }
         let angle = self.c.and_then(|at| Some((motion.to.get(at)? - motion.from.get(at)?).to_radians()));
         chords::shares(angle.unwrap_or(0.0)).into_iter().map(|share| chords::between(motion, share)).collect()
+    }
+
+    /// Positions between the ends of an arc on the face by polar interpolation.
+    fn polar_arc(&self, motion: &Motion) -> Option<Vec<Position>> {
+        let c = self.c.filter(|_| motion.kind == MotionKind::Linear)?;
+        if motion.plane_axes.map(usize::from) != [self.x.0, c] {
+            return None;
+        }
+        let [x, y] = motion.center;
+        let ends = [self.point(&motion.from), self.point(&motion.to)];
+        let [from, to] = ends.map(|point| [point[0] - x, point[1] - y]);
+        let radius = from[0].hypot(from[1]);
+        let round = (motion.length.powi(2) - (ends[1][2] - ends[0][2]).powi(2)).max(0.0).sqrt() / radius;
+        if !round.is_finite() {
+            return None;
+        }
+        let turned = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            [from[0] * cos - from[1] * sin, from[0] * sin + from[1] * cos]
+        };
+        let miss = |angle: f64| (turned(angle)[0] - to[0]).hypot(turned(angle)[1] - to[1]);
+        let sweep = if miss(round) <= miss(-round) { round } else { -round };
+        let at = |share: f64| {
+            let [along, across] = turned(sweep * share);
+            let (along, across) = (x + along, y + across);
+            let mut position = chords::between(motion, share);
+            for (axis, value) in [(self.x.0, along.hypot(across) / self.x.1), (c, across.atan2(along).to_degrees())] {
+                if let Some(slot) = position.get_mut(axis) {
+                    *slot = value;
+                }
+            }
+            position
+        };
+        Some(chords::shares(sweep).into_iter().map(at).collect())
     }
 
     fn point(&self, position: &Position) -> [f64; 3] {

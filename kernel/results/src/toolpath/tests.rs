@@ -455,6 +455,29 @@ fn the_face_of_the_part_shows_the_work_of_live_tools() {
     assert!(svg.contains(">face: X (radius) / mm</text>"), "{svg}");
 }
 
+/// From X20 Y10 to X10 Y20 of the face about X10 Y10, a quarter of the radius 10; and a full circle about X15 Y0.
+#[test]
+fn arcs_of_polar_interpolation_have_their_own_centres() {
+    let polar = |from: [f64; 2], to: [f64; 2], center, length| {
+        let at = |[x, y]: [f64; 2]| [2.0 * x.hypot(y), -1.0, y.atan2(x).to_degrees()];
+        Motion { center, plane_axes: [0, 2], length, ..motion(MotionKind::Linear, &at(from), &at(to)) }
+    };
+    let quarter = polar([20.0, 10.0], [10.0, 20.0], [10.0, 10.0], 5.0 * std::f64::consts::PI);
+    let around = polar([20.0, 0.0], [20.0, 0.0], [15.0, 0.0], 10.0 * std::f64::consts::PI);
+    let tool = Kind::Tool(ToolChange { action: ToolAction::Load, tool: 3, offset: 3 });
+    for (motion, center, radius) in [(quarter, [10.0, 10.0], 10.0), (around, [15.0, 0.0], 5.0)] {
+        let events =
+            [at(1, 1, 0, 0, tool.clone()), at(1, 2, 0, 1, Kind::Motion(motion)), life(1, 3, Phase::ProgramEnd)];
+        let json = serde_json::to_value(&results(&lathe(&["x"]), &events, &outcome(3)).toolpath).unwrap();
+        let points = json["channels"][0]["face"][0]["points"].as_array().unwrap();
+        let points: Vec<f64> = points.iter().map(|value| value.as_f64().unwrap()).collect();
+        let away = |p: &[f64]| ((p[0] - center[0]).hypot(p[1] - center[1]) - radius).abs();
+        assert!(points.len() > 60 && points.chunks(3).all(|p| away(p) < 1e-3), "{points:?}");
+        let low = points.chunks(3).map(|p| p[1]).fold(f64::INFINITY, f64::min);
+        assert!(radius == 5.0 || low > 10.0 - 1e-9, "the short way: {points:?}");
+    }
+}
+
 /// A full circle ends where it began; Y moves on the way. A turned arc of X and Z is not work of a live tool.
 #[test]
 fn a_full_circle_of_a_y_axis_is_seen_on_the_face() {

@@ -137,6 +137,13 @@ impl Polar {
         }
     }
 
+    /// A point of the part by X at C0 and the direction at right angles to it, on a face.
+    pub(crate) fn on_face(&self, place: &Place, [along, across]: [f64; 2]) -> Option<[f64; 2]> {
+        let Shape::Face { zero, .. } = self.shape else { return None };
+        let (sine, cosine) = turn(self.zero(place, zero));
+        Some([along * cosine - across * sine, along * sine + across * cosine])
+    }
+
     /// Puts the axes to a point of the part. `round`: degrees of the way around the centre of a face from where they
     /// are.
     pub(crate) fn reach(&self, place: &Place, real: &mut Position, to: [f64; 2], round: f64) {
