@@ -33,7 +33,7 @@ pub(super) struct Words {
 pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words) {
     let pitched = act.env.machine.cycles.tap_pitch && kind.taps();
     let kind = if pitched { tap_type(act, kind) } else { kind };
-    if pitched && act.state.cycle.tap.is_some_and(|tap| tap >= 1.0) {
+    if pitched && (kind.is_rigid() || act.state.cycle.tap.is_some_and(|tap| tap >= 1.0)) {
         take_pitch(act);
     } else {
         take_feed(act);
