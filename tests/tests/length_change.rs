@@ -63,7 +63,7 @@ fn model(blocks: &[Block]) -> Vec<(u32, f64)> {
     places
 }
 
-/// Machine positions of Z at the end of each line.
+/// Machine positions of Z at the end of each line, counted from the part zero.
 fn run(blocks: &[Block], change: &str) -> Vec<(u32, f64)> {
     let mill = machine("fanuc-mill", &LENGTHS.replace("CHANGE", change));
     let text = text(blocks);
@@ -74,8 +74,12 @@ fn run(blocks: &[Block], change: &str) -> Vec<(u32, f64)> {
     for event in &done.events {
         match &event.kind {
             Kind::Frame(frame) => shift = frame.shift[2],
-            Kind::Motion(motion) => z = motion.to[2] + shift,
+            // The part zero is 500 below that of the machine.
+            Kind::Motion(motion) => z = motion.to[2] + shift + 500.0,
             _ => continue,
+        }
+        if event.line == 0 {
+            continue;
         }
         places.retain(|(line, _)| *line != event.line);
         places.push((event.line, z));

@@ -260,9 +260,12 @@ pub struct Axis {
     pub coupling: AxisCoupling,
 }
 
-/// Points that codes send an axis to, in the machine frame as programmed, and the path there.
+/// Points of an axis in the machine frame, as programmed: the part zero, points that codes send the axis to, and the path
+/// there.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Positioning {
+    /// The part zero where a work offset has no value.
+    pub part_zero: f64,
     /// Second to fourth reference points.
     pub references: [Option<f64>; 3],
     /// Floating reference point.

@@ -148,12 +148,12 @@ mod tests {
     #[test]
     fn axes_are_an_aligned_table() {
         let expected = "\
-axis  letter  data         role    diameter  rapid  acceleration  home  limits
-X1    X       REG_AXIS_X   X       yes       20000  4000          300   -600 to 600
-Z1    Z       REG_AXIS_Z   Z       -         24000  5000          500   -1200 to 1200
-C1    C       REG_AXIS_CT  rotary  -         72000  2000          0     -
-X2    X       REG_AXIS_X   X       yes       20000  4000          300   -600 to 600
-Z2    Z       REG_AXIS_Z   Z       -         24000  5000          500   -1200 to 1200
+axis  letter  data         role    diameter  rapid  acceleration  home  part zero  limits
+X1    X       REG_AXIS_X   X       yes       20000  4000          0     -300       -900 to 300
+Z1    Z       REG_AXIS_Z   Z       -         24000  5000          0     -500       -1700 to 700
+C1    C       REG_AXIS_CT  rotary  -         72000  2000          0     0          -
+X2    X       REG_AXIS_X   X       yes       20000  4000          0     -300       -900 to 300
+Z2    Z       REG_AXIS_Z   Z       -         24000  5000          0     -500       -1700 to 700
 ";
         assert_eq!(show(&lathe(), Show::Axes), expected);
     }

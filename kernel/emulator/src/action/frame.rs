@@ -11,7 +11,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{codes, data};
-use counterpoint_machine::index::BySlot;
+use counterpoint_machine::index::{AxisId, BySlot};
 use counterpoint_program::block::PendingCode;
 
 /// Codes with their actions.
@@ -157,13 +157,17 @@ pub(super) fn length_on(act: &mut Act<'_, '_>, number: u32) {
 
 impl Act<'_, '_> {
     /// Reports a work offset that has no values, if the machine or its table of tools gives values to other work
-    /// offsets. Otherwise all are zero, as G54 is.
+    /// offsets. Otherwise all are at the part zero, as G54 is.
     pub(super) fn missing_work_offset(&mut self, number: u32) {
         let offsets = &self.env.machine.work_offsets;
-        let known = offsets.iter().any(|values| values.iter().any(|value| *value != 0.0));
+        let is_given = |(axis, value): (AxisId, &f64)| *value != self.env.machine.axes[axis].positioning.part_zero;
+        let known = offsets.iter().any(|values| values.entries().any(is_given));
         let set = self.state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));
         if known && number as usize > offsets.len() && !set {
-            let text = format!("work offset {number} has no values in machine {}, zero is used", self.env.machine.name);
+            let text = format!(
+                "work offset {number} has no values in machine {}; the part zero of the machine is used",
+                self.env.machine.name
+            );
             self.diagnose(&diag::NO_OFFSET, text);
         }
     }

@@ -58,6 +58,9 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
     let dynamics = dynamics(row);
     let home = row.number("home").unwrap_or(0.0);
     let positioning = positioning(row);
+    if positioning.part_zero != 0.0 && role.is_rotary() {
+        row.error("part_zero", "a rotary axis has no part zero");
+    }
     let limits = limits(row, home);
     let (vector, center) = super::kinematics::read_axis(row, data, role);
     let turns = [("position", Turn::Position), ("shortest", Turn::Shortest), ("sign", Turn::Sign)];
@@ -136,6 +139,7 @@ fn positioning(row: &mut Section<'_>) -> Positioning {
     let points = row.numbers("references", 0..=3).unwrap_or_default();
     let mut points = points.into_iter();
     Positioning {
+        part_zero: row.number("part_zero").unwrap_or(0.0),
         references: [points.next(), points.next(), points.next()],
         floating: row.number("floating"),
         one_way: row.number("one_way").unwrap_or(0.0),

@@ -89,21 +89,23 @@ fn read_offset(row: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check)
     Some(ToolOffset { number: number?, values, wear, radius, radius_wear, tip })
 }
 
-/// Reads `[[work_offsets]]`: G54 first, zeros where the file says nothing.
+/// Reads `[[work_offsets]]`: G54 first, the part zero of the axes where the file says nothing.
 pub(super) fn read_work(top: &mut Section<'_>, axes: &Table<AxisId, Axis>, check: &Check) -> Vec<Table<AxisId, f64>> {
-    let mut offsets = vec![axes.map(|_, _| 0.0); STANDARD];
+    let unset = axes.map(|_, axis| axis.positioning.part_zero);
+    let mut offsets = vec![unset.clone(); STANDARD];
     let mut seen: Vec<i64> = Vec::new();
     for mut row in top.rows("work_offsets", "[[work_offsets]]", MOST) {
         row.require("number", "a whole number from 1 (G54) to 999");
         let number = row.integer("number", 1..=999);
-        let values = by_axis(&mut row, axes, check);
+        let given = some_by_axis(&mut row, "values", axes, check);
+        let values = unset.map(|axis, unset| given[axis].unwrap_or(*unset));
         if let Some(number) = number {
             if seen.contains(&number) {
                 row.error("number", format!("there is already a work offset {number}"));
             }
             seen.push(number);
             let index = number as usize - 1;
-            offsets.resize(offsets.len().max(index + 1), axes.map(|_, _| 0.0));
+            offsets.resize(offsets.len().max(index + 1), unset.clone());
             if let Some(slot) = offsets.get_mut(index) {
                 *slot = values;
             }

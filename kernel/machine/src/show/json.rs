@@ -219,6 +219,7 @@ fn axis_json(machine: &Machine, axis: &Axis) -> Value {
         "jerk": axis.dynamics.jerk,
         "corner_speed": axis.dynamics.corner_speed,
         "home": axis.home,
+        "part_zero": axis.positioning.part_zero,
         "references": axis.positioning.references,
         "floating": axis.positioning.floating,
         "one_way": axis.positioning.one_way,

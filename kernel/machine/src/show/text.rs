@@ -296,7 +296,8 @@ pub(super) fn data(machine: &Machine) -> Grid {
 }
 
 pub(super) fn axes(machine: &Machine) -> String {
-    let heading = ["axis", "letter", "data", "role", "diameter", "rapid", "acceleration", "home", "limits"];
+    let heading =
+        ["axis", "letter", "data", "role", "diameter", "rapid", "acceleration", "home", "part zero", "limits"];
     let mut grid = Grid::new(&heading);
     for axis in &machine.axes {
         grid.row([
@@ -308,6 +309,7 @@ pub(super) fn axes(machine: &Machine) -> String {
             axis.rapid.to_string(),
             optional(axis.dynamics.acceleration),
             axis.home.to_string(),
+            axis.positioning.part_zero.to_string(),
             axis.limits.map_or_else(|| "-".to_owned(), |(low, high)| format!("{low} to {high}")),
         ]);
     }

@@ -86,6 +86,9 @@ impl Channel<'_> {
         if let Some(values) = set {
             return *values;
         }
+        if table == Table::Work && (number == BASE || number as usize > self.env.machine.work_offsets.len()) {
+            return if number == BASE { [0.0; MAX_AXES] } else { self.part_zero() };
+        }
         let own = || self.env.machine.tool.offsets.iter().find(|own| own.number == number);
         let values = match table {
             Table::Work => (number as usize).checked_sub(1).and_then(|at| self.env.machine.work_offsets.get(at)),
@@ -99,6 +102,21 @@ impl Channel<'_> {
             }
         }
         position
+    }
+
+    /// Machine position of the part zero where no work offset says it.
+    fn part_zero(&self) -> Position {
+        let mut position = [0.0; MAX_AXES];
+        for (slot, axis) in self.state.place.layout.axes.entries() {
+            *position.at_mut(slot) = self.env.machine.axes[axis.machine].positioning.part_zero;
+        }
+        position
+    }
+
+    /// The part zero where no work offset is active: that of the machine, unless the base values say it.
+    pub(crate) fn part_zero_without_offset(&self) -> Position {
+        let base = self.state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(BASE));
+        if base { [0.0; MAX_AXES] } else { self.part_zero() }
     }
 
     /// Rotation of a work offset.

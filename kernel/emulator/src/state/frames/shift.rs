@@ -94,7 +94,9 @@ impl Channel<'_> {
             }
         };
         add(self.offset_values(Table::Work, place.in_force.work_offset), self.tool_shift());
-        if place.in_force.work_offset != BASE && place.offsets.is_some() {
+        if place.in_force.work_offset == BASE {
+            add(self.part_zero_without_offset(), [0.0; MAX_AXES]);
+        } else if place.offsets.is_some() {
             add(self.offset_values(Table::Work, BASE), [0.0; MAX_AXES]);
         }
         shift

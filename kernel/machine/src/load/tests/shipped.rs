@@ -346,7 +346,9 @@ fn the_two_path_lathe_is_set_up_like_this() {
     assert_eq!(lathe.variables.shared, []);
     assert_eq!(lathe.variables.channel, [(100, 199), (500, 999)]);
     assert_eq!(lathe.tool.offset_digits, 2);
-    assert_eq!(lathe.home(&lathe.channels[0])[..3], [300.0, 500.0, 0.0]);
+    assert_eq!(lathe.home(&lathe.channels[0])[..3], [0.0, 0.0, 0.0]);
+    let part_zeros: Vec<f64> = lathe.axes.iter().map(|axis| axis.positioning.part_zero).collect();
+    assert_eq!(part_zeros, [-300.0, -500.0, 0.0, -300.0, -500.0]);
     assert!(lathe.codes.iter().all(|row| row.seconds == 0.0));
     let limited = |axis: &crate::model::Axis| axis.limits.is_some() != axis.role.is_rotary();
     assert!(lathe.axes.iter().all(|axis| axis.dynamics.acceleration.is_some() && limited(axis)));
