@@ -378,7 +378,9 @@ impl Kernel<'_> {
     #[cold]
     fn swallow(&mut self, row: &CodeRow, pending: PendingCode) {
         self.trace_ignored(row.id);
-        if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
+        if row.seconds > 0.0 {
+            self.take_time(row, pending);
+        } else if let CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } = row.form
             && Some(register) == self.plan.registers.function
         {
             self.channel.reports.swallowed.note(pending.value);
