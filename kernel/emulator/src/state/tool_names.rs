@@ -27,14 +27,16 @@ pub(crate) struct Called {
 }
 
 impl Called {
-    /// The number of a name; a new name gets the next one from `first` on.
+    /// The number of a name; a new name gets the next one from `first` on, or none after [`MOST`] names.
     pub(crate) fn number(&mut self, name: &str, first: u32) -> Option<u32> {
-        let at = self.numbered.iter().position(|known| known.eq_ignore_ascii_case(name)).unwrap_or_else(|| {
-            if self.numbered.len() < MOST {
+        let at = match self.numbered.iter().position(|known| known.eq_ignore_ascii_case(name)) {
+            Some(at) => at,
+            None if self.numbered.len() < MOST => {
                 self.numbered.push(name.to_owned());
+                self.numbered.len() - 1
             }
-            self.numbered.len() - 1
-        });
+            None => return None,
+        };
         first.checked_add(at as u32)
     }
 
@@ -52,5 +54,20 @@ impl Called {
     /// The name by which a tool was called last.
     pub(crate) fn name_of(&self, number: u32) -> Option<&str> {
         self.names.iter().find(|(known, _)| *known == number).map(|(_, name)| name.as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Called, MOST};
+
+    #[test]
+    fn names_beyond_the_most_share_no_number() {
+        let mut called = Called::default();
+        for at in 0..MOST {
+            assert_eq!(called.number(&format!("T{at}"), 501), Some(501 + at as u32));
+        }
+        assert_eq!(called.number("ANOTHER", 501), None);
+        assert_eq!(called.number("t7", 501), Some(508));
     }
 }
