@@ -86,8 +86,9 @@ impl Channel<'_> {
         if let Some(values) = set {
             return *values;
         }
-        if table == Table::Work && (number == BASE || number as usize > self.env.machine.work_offsets.len()) {
-            return if number == BASE { [0.0; MAX_AXES] } else { self.part_zero() };
+        let known = self.env.machine.work_offsets.len();
+        if table == Table::Work && number as usize > known {
+            return self.part_zero();
         }
         let own = || self.env.machine.tool.offsets.iter().find(|own| own.number == number);
         let values = match table {
