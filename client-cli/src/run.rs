@@ -15,6 +15,7 @@ use crate::codes::{self, Stage};
 use crate::error::Error;
 use crate::outcome::{exit_code, not_run};
 use crate::output_folder::{OutputFolder, drawn_timeline};
+use crate::problems::say_errors;
 use crate::progress::Progress;
 use crate::report::report;
 use crate::say::{self, DIM, styled};
@@ -92,7 +93,9 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
     }
     if arguments.json {
         say::verdict(&text)?;
-    } else if !arguments.quiet {
+    } else if arguments.quiet {
+        say_errors(summary, arguments.strict);
+    } else {
         let mut out = report(&summary, arguments.verbose);
         files_report(&mut out, &client.files(job).await?, arguments.out.is_some());
         if draws {
@@ -136,16 +139,16 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
                 format!("machine {}, guessed from {}; use --machine to choose another", guess.machine, guess.why);
             say::status_line(styled(DIM, text));
         }
-        return changed(client, &guess.machine, inputs).await;
+        return changed(client, &guess.machine, inputs, quiet).await;
     };
     if !machine_folder::is_folder(machine) {
         known::machine(machine, client.is_embedded())?;
     }
-    changed(client, machine, inputs).await
+    changed(client, machine, inputs, quiet).await
 }
 
 /// The machine itself, or, with settings or a table of tools, a revision of it that has them.
-async fn changed(client: &Client, machine: &str, inputs: &Inputs) -> Result<String, Error> {
+async fn changed(client: &Client, machine: &str, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
     let folder = machine_folder::is_folder(machine);
     // Settings of warnings are options of the job.
     let of_machine = |setting: &&Setting| !matches!(setting, Setting::Warning(..));
@@ -160,6 +163,9 @@ async fn changed(client: &Client, machine: &str, inputs: &Inputs) -> Result<Stri
         None => machines::put_files(client, name, files, None).await,
         Some(path) => {
             let (name, files, tools) = changed_machine::with_tools(&name, files, path)?;
+            if let Some(note) = tools.note.as_deref().filter(|_| !quiet) {
+                say::status_line(styled(DIM, note));
+            }
             machines::put_files(client, name, files, Some(&tools)).await
         }
     }

@@ -1,63 +1,16 @@
 //! A table of tools as a CSV file: a line for each tool, the columns named in the first line.
 //!
 //! Invariants: a row of the definition knows its line of the file; a tool of a control with edges gets the offset of
-//! its edge; a column `X` means each axis that programs call X.
+//! its edge; a column `X` means each axis that programs call X; lengths are converted into the unit of the machine.
 
 use std::fmt::Write as _;
 
-use super::{Facts, Tools};
+use super::columns::{self, Column};
+use super::{Facts, LengthUnit, Tools};
 use crate::error::Error;
-
-/// Columns of a CSV file.
-const COLUMNS: &str = "number, name, offset, diameter, radius, tip, length";
 
 /// First number for tools that have a name and no number.
 const FIRST_WITHOUT_NUMBER: u32 = 20_001;
-
-/// The meaning of a column.
-#[derive(Debug, Clone, PartialEq)]
-enum Column {
-    Number,
-    Offset,
-    Edge,
-    Name,
-    Diameter,
-    Radius,
-    Tip,
-    Length,
-    RadiusWear,
-    LengthWear,
-    Axis(String),
-    Wear(String),
-}
-
-impl Column {
-    fn of(title: &str, machine: &Facts) -> Self {
-        let title = title.trim();
-        let worn = title.split_once([' ', '_', '-']).and_then(|(one, other)| {
-            let is_wear = |word: &str| word.eq_ignore_ascii_case("wear");
-            if is_wear(one) { Some(other) } else { Some(one).filter(|_| is_wear(other)) }
-        });
-        if let Some(of) = worn {
-            return match of.to_ascii_lowercase().as_str() {
-                "radius" => Self::RadiusWear,
-                "length" => Self::LengthWear,
-                _ => Self::Wear(of.to_owned()),
-            };
-        }
-        match title.to_ascii_lowercase().as_str() {
-            "number" | "no" | "nr" | "tool" | "t" => Self::Number,
-            "offset" | "h" => Self::Offset,
-            "edge" | "d" if machine.edges > 0 => Self::Edge,
-            "name" | "comment" | "description" => Self::Name,
-            "diameter" | "dia" => Self::Diameter,
-            "radius" => Self::Radius,
-            "tip" => Self::Tip,
-            "length" => Self::Length,
-            _ => Self::Axis(title.to_owned()),
-        }
-    }
-}
 
 /// Values of a line.
 #[derive(Debug, Default)]
@@ -87,17 +40,11 @@ impl Row {
     ///
     /// # Errors
     /// The reason why the column does not take it.
-    fn take(&mut self, column: &Column, cell: &str, comma: bool, table: &Table<'_>) -> Result<(), String> {
+    fn take(&mut self, (column, scale): (&Column, f64), cell: &str, table: &Table<'_>) -> Result<(), String> {
         let value = || {
-            let cell = if comma { cell.replace(',', ".") } else { cell.to_owned() };
-            cell.parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(|| match column {
-                // An unknown column is read as an axis; a text in it shows that it is something else.
-                Column::Axis(title) | Column::Wear(title) => format!(
-                    "unknown column '{title}': columns are {COLUMNS}, and the names of axes; an axis would need a number, \
-                     not '{cell}'"
-                ),
-                _ => format!("'{cell}' is not a number"),
-            })
+            let cell = if table.decimal_comma { cell.replace(',', ".") } else { cell.to_owned() };
+            let value = cell.parse::<f64>().ok().filter(|value| value.is_finite());
+            value.map(|value| value * scale).ok_or_else(|| format!("'{cell}' is not a number"))
         };
         let whole = || cell.trim_start_matches(['T', 't', 'D', 'd', 'H', 'h']).parse::<u32>();
         let machine = table.machine;
@@ -121,7 +68,9 @@ impl Row {
                 self.radius = self.radius.or(Some(value / 2.0));
                 let _ = write!(self.of_data, ", diameter = {value:?}");
             }
+            Column::Unit => {}
             Column::Radius => self.radius = Some(value()?),
+            Column::Corner => drop(write!(self.of_data, ", radius = {:?}", value()?)),
             Column::Tip => drop(write!(self.of_offset, ", tip = {}", value()?)),
             Column::Length => {
                 let value = value()?;
@@ -158,6 +107,8 @@ impl Row {
 struct Table<'m> {
     machine: &'m Facts,
     columns: Vec<Column>,
+    /// Numbers may have a decimal comma.
+    decimal_comma: bool,
     length_is_along_z: bool,
     /// Tools that have data.
     tools: Vec<u32>,
@@ -180,7 +131,7 @@ impl Table<'_> {
 pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, Error> {
     let wrong = |line: u64, text: String| Error::Usage(format!("{file}:{line}: {text}"));
     let text = format!("{}\n", text.trim_start_matches('\u{feff}').trim_end());
-    let head = text.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
+    let (head_line, head) = (1..).zip(text.lines()).find(|(_, line)| !line.starts_with('#')).unwrap_or((1, ""));
     let delimiter = [';', '\t', ','].into_iter().max_by_key(|one| head.matches(*one).count()).unwrap_or(',');
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter as u8)
@@ -189,17 +140,25 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
     let titles = reader.headers().map_err(|error| wrong(1, error.to_string()))?.clone();
-    let columns: Vec<Column> = titles.iter().map(|title| Column::of(title, machine)).collect();
+    let known: Result<Vec<_>, String> = titles.iter().map(|title| columns::column(title, machine)).collect();
+    let (columns, units): (Vec<Column>, Vec<Option<LengthUnit>>) =
+        known.map_err(|text| wrong(head_line, text))?.into_iter().unzip();
     let has = |column: &Column| columns.contains(column);
     if !(has(&Column::Number) || has(&Column::Offset) || machine.by_name && has(&Column::Name)) {
         let text =
             "the first line names the columns: number, and name, diameter, radius, tip, length or the names of axes";
-        return Err(wrong(1, text.to_owned()));
+        return Err(wrong(head_line, text.to_owned()));
     }
     let is_z = |column: &Column| matches!(column, Column::Axis(axis) if axis.trim_end_matches(|c: char| c.is_ascii_digit()).eq_ignore_ascii_case("Z"));
     let length_is_along_z = !columns.iter().any(is_z) && !machine.axes("Z").is_empty();
-    let mut table =
-        Table { machine, columns: columns.clone(), length_is_along_z, tools: Vec::new(), names: Vec::new() };
+    let mut table = Table {
+        machine,
+        columns: columns.clone(),
+        decimal_comma: delimiter == ';',
+        length_is_along_z,
+        tools: Vec::new(),
+        names: Vec::new(),
+    };
     let (mut offsets, mut data) = (String::from("tool.offsets = [\n"), String::from("tool.data = [\n"));
     let (mut of_offsets, mut of_data) = (vec![0], vec![0]);
     let mut record = csv::StringRecord::new();
@@ -209,16 +168,19 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
     {
         // The position of a record is that of the comments before it.
         let line = reader.position().line().saturating_sub(1);
-        let cells = columns.iter().zip(&record).filter(|(_, cell)| !cell.is_empty());
+        let cells = columns.iter().zip(&units).zip(&record).filter(|(_, cell)| !cell.is_empty());
         if cells.clone().next().is_none() {
             continue;
         }
         if record.len() > columns.len() {
             return Err(wrong(line, format!("{} columns, where the first line names {}", record.len(), columns.len())));
         }
+        let of_row = unit_of_row(&columns, &record).map_err(|text| wrong(line, text))?;
         let mut row = Row::default();
-        for (column, cell) in cells {
-            row.take(column, cell, delimiter == ';', &table).map_err(|text| wrong(line, text))?;
+        for ((column, unit), cell) in cells {
+            let unit = unit.or(of_row).filter(|_| column.is_length(machine));
+            let scale = unit.map_or(1.0, |unit| unit.in_unit(machine.unit));
+            row.take((column, scale), cell, &table).map_err(|text| wrong(line, text))?;
         }
         let (number, offset) = row.numbers(&mut table).map_err(|text| wrong(line, text))?;
         if let Some(radius) = row.radius {
@@ -245,5 +207,17 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
         }
     }
     let lines = [of_offsets, vec![0], of_data, vec![0]].concat();
-    Ok(Tools { file, arrays: format!("{offsets}]\n{data}]\n"), sections: String::new(), lines })
+    let names_unit = units.iter().any(Option::is_some) || columns.contains(&Column::Unit);
+    let note = (!names_unit && columns.iter().any(|column| column.is_length(machine))).then(|| {
+        let (unit, other) = (machine.unit, machine.unit.other());
+        format!("{file}: lengths are in {unit}, the unit of the machine; a table in {other} says so in its titles (`length {other}`)")
+    });
+    Ok(Tools { file, arrays: format!("{offsets}]\n{data}]\n"), sections: String::new(), lines, note })
+}
+
+/// The unit in the column of units of a row.
+fn unit_of_row(columns: &[Column], record: &csv::StringRecord) -> Result<Option<LengthUnit>, String> {
+    let cell = columns.iter().position(|column| *column == Column::Unit).and_then(|at| record.get(at));
+    let Some(cell) = cell.filter(|cell| !cell.is_empty()) else { return Ok(None) };
+    LengthUnit::of(cell).map(Some).ok_or_else(|| format!("'{cell}' is not a unit of length (mm, inch)"))
 }

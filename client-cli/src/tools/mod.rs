@@ -4,13 +4,16 @@
 //! A CSV file has a line for each tool, as tool lists of CAM systems and spreadsheets do. Invariant: every error in a
 //! row is reported with the line of the user's file.
 
+mod columns;
 mod csv_file;
+mod unit;
 
 use std::fs;
 use std::path::Path;
 
 use crate::error::Error;
 use crate::standard_input;
+use unit::LengthUnit;
 
 /// Tables of a TOML file.
 const TABLES: &str = "[[tool.offsets]], [[tool.data]], [[tool.names]] and [[work_offsets]]";
@@ -25,21 +28,44 @@ pub(crate) struct Facts {
     pub(crate) edges: u32,
     /// Programs call tools by their names.
     pub(crate) by_name: bool,
+    /// Names of its rotary axes.
+    rotary: Vec<String>,
+    /// Its unit of length.
+    unit: LengthUnit,
 }
 
 impl Facts {
     /// Facts from definitions of machines; earlier definitions take precedence.
     pub(crate) fn of<'t>(texts: impl Iterator<Item = &'t str>) -> Self {
         let tables: Vec<toml::Table> = texts.filter_map(|text| toml::from_str(text).ok()).collect();
-        let name = |axis: &toml::Value| axis.get("name").and_then(toml::Value::as_str).map(str::to_owned);
+        let text = |axis: &toml::Value, key: &str| axis.get(key).and_then(toml::Value::as_str).map(str::to_owned);
+        let name = |axis: &toml::Value| text(axis, "name");
+        let turns = |axis: &&toml::Value| match (text(axis, "role"), name(axis)) {
+            (Some(role), _) => role == "rotary",
+            (None, name) => name.is_some_and(|name| name.starts_with(['A', 'B', 'C'])),
+        };
         let axes = tables.iter().find_map(|table| table.get("axes")?.as_array());
+        let axes: Vec<&toml::Value> = axes.into_iter().flatten().collect();
+        let unit = tables.iter().find_map(|table| table.get("ce")?.get("units")?.as_str());
         let tool = |key: &str| tables.iter().find_map(|table| table.get("tool")?.get(key));
         let edges = tool("edges").and_then(toml::Value::as_integer).and_then(|edges| u32::try_from(edges).ok());
         Self {
-            axes: axes.into_iter().flatten().filter_map(name).collect(),
+            rotary: axes.iter().copied().filter(turns).filter_map(name).collect(),
+            axes: axes.into_iter().filter_map(name).collect(),
             edges: edges.unwrap_or(0),
             by_name: tool("named_from").is_some(),
+            unit: unit.and_then(LengthUnit::of).unwrap_or_default(),
         }
+    }
+
+    /// Whether programs call an axis by a name.
+    fn has_axis(&self, name: &str) -> bool {
+        !self.axes(name).is_empty()
+    }
+
+    /// Whether the axes of a name turn.
+    fn turns(&self, name: &str) -> bool {
+        self.axes(name).into_iter().any(|axis| self.rotary.iter().any(|rotary| rotary == axis))
     }
 
     /// The axes that programs call by a name: the axis of that name, or those that have a digit after it (X1, X2).
@@ -66,6 +92,8 @@ pub(crate) struct Tools {
     sections: String,
     /// Line of the file for each line of the definition.
     lines: Vec<usize>,
+    /// The unit that was assumed.
+    pub(crate) note: Option<String>,
 }
 
 impl Tools {
@@ -121,7 +149,7 @@ fn of_toml(file: String, text: String) -> Result<Tools, Error> {
         return Err(Error::Usage(format!("{file}: `{key}` is not for a table of tools, which has only {TABLES}")));
     }
     let lines = (1..=text.lines().count()).collect();
-    Ok(Tools { file, arrays: String::new(), sections: text, lines })
+    Ok(Tools { file, arrays: String::new(), sections: text, lines, note: None })
 }
 
 #[cfg(test)]

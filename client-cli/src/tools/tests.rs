@@ -3,7 +3,7 @@
 use super::*;
 
 fn machine(axes: &[&str], edges: u32, by_name: bool) -> Facts {
-    Facts { axes: axes.iter().map(|&axis| axis.to_owned()).collect(), edges, by_name }
+    Facts { axes: axes.iter().map(|&axis| axis.to_owned()).collect(), edges, by_name, ..Facts::default() }
 }
 
 fn read(name: &str, text: &str) -> Result<Tools, String> {
@@ -129,4 +129,70 @@ fn a_column_of_offsets_gives_a_tool_another_offset() {
     assert_eq!(tables["tool"]["offsets"][0]["number"].as_integer(), Some(13));
     assert_eq!(tables["tool"]["data"][0]["number"].as_integer(), Some(3));
     assert_eq!(tables["tool"]["data"][0]["offset"].as_integer(), Some(13));
+}
+
+#[test]
+fn an_unknown_column_is_named_in_the_first_line() {
+    for (text, with) in [
+        ("number,foo\n1,2\n", "tools.csv:1: unknown column 'foo': columns are number, name"),
+        ("# tools of the shop\nnumber,D\n1,2\n", "tools.csv:2: unknown column 'D'"),
+        ("number,wear Q\n1,2\n", "and the axes of the machine (X, Y, Z)"),
+        ("number,name mm\n1,A\n", "tools.csv:1: column 'name mm' has a unit of length"),
+        ("number,length,unit\n1,2,cm\n", "tools.csv:2: 'cm' is not a unit of length (mm, inch)"),
+    ] {
+        let error = read("tools.csv", text).unwrap_err();
+        assert!(error.contains(with), "{error}");
+    }
+}
+
+#[test]
+fn titles_of_tool_tables_of_controls_are_known() {
+    let mill = machine(&["X", "Y", "Z"], 0, true);
+    let table = tables("T,NAME,L,R,R2,DL,DR\n5,BALL6,80,3,3,0.1,-0.02\n", &mill);
+    let offset = &table["tool"]["offsets"][0];
+    assert_eq!((offset["radius"].as_float(), offset["radius_wear"].as_float()), (Some(3.0), Some(-0.02)));
+    assert_eq!((offset["values"]["Z"].as_float(), offset["wear"]["Z"].as_float()), (Some(80.0), Some(0.1)));
+    let data = &table["tool"]["data"][0];
+    assert_eq!((data["radius"].as_float(), data["length"].as_float()), (Some(3.0), Some(80.0)));
+    let table = tables("T;Ø;L\n5;6;80\n", &machine(&["X", "L"], 0, false));
+    assert_eq!(table["tool"]["offsets"][0]["values"]["L"].as_float(), Some(80.0));
+}
+
+#[test]
+fn lengths_are_converted_into_the_unit_of_the_machine() {
+    let facts = |units: &str| {
+        let text = format!(
+            "[ce]\nunits = \"{units}\"\n[[axes]]\nname = \"Z\"\n[[axes]]\nname = \"C1\"\n[[axes]]\nname = \"Y\"\n\
+             role = \"rotary\"\n"
+        );
+        Facts::of([text.as_str()].into_iter())
+    };
+    let metric = facts("mm");
+    let by_title = tables("T,Dia inch,Length (in),Z mm,C1,tip\n1,0.5,4,2,90,3\n", &metric);
+    let by_row = tables("T,Dia,Length,Unit,Z,Y\n1,0.5,4,inches,1,45\n2,6,80,mm,1,45\n", &metric);
+    let value = |table: &toml::Table, list: &str, row: usize, path: &[&str]| {
+        let mut at = &table["tool"][list][row];
+        for key in path {
+            at = &at[*key];
+        }
+        at.as_float().unwrap()
+    };
+    for (table, z, turns) in [(&by_title, 2.0, ("C1", 90.0)), (&by_row, 25.4, ("Y", 45.0))] {
+        assert_eq!(value(table, "offsets", 0, &["radius"]), 6.35);
+        assert_eq!(value(table, "data", 0, &["length"]), 101.6);
+        assert_eq!(value(table, "offsets", 0, &["values", "Z"]), z);
+        assert_eq!(value(table, "offsets", 0, &["values", turns.0]), turns.1);
+    }
+    assert_eq!(value(&by_row, "offsets", 1, &["radius"]), 3.0);
+    let table = tables("T,length mm\n1,50.8\n", &facts("inch"));
+    assert!((value(&table, "offsets", 0, &["values", "Z"]) - 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_table_without_a_unit_says_which_one_is_assumed() {
+    let note = |text: &str| read("tools.csv", text).unwrap().note;
+    assert!(note("T,length\n1,4\n").unwrap().contains("lengths are in mm, the unit of the machine"));
+    for text in ["T,length mm\n1,4\n", "T,length,unit\n1,4,mm\n", "T,name\n1,A\n"] {
+        assert_eq!(note(text), None, "{text}");
+    }
 }
