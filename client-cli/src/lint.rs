@@ -9,7 +9,7 @@ use crate::arguments::{Format, Lint, ResultKind};
 use crate::client::{Asked, Client};
 use crate::error::Error;
 use crate::outcome::{exit_code, not_run};
-use crate::problems::{counts, problems};
+use crate::problems::{counts, problems, say_errors};
 use crate::run::{Submission, follow, machine, submit_pack};
 use crate::say::{self, BAD, GOOD, WARN, styled};
 use crate::summary::{Channel, Summary};
@@ -39,9 +39,13 @@ pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
     let text = results::whole(&client, &job, ResultKind::Summary, 0, Format::Json.into()).await?;
     if arguments.json {
         say::verdict(&text)?;
-    } else if !arguments.quiet {
-        let summary: Summary = serde_json::from_slice(&text)
-            .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
+        return Ok(exit_code(&status, arguments.strict));
+    }
+    let summary: Summary = serde_json::from_slice(&text)
+        .map_err(|error| Error::Connection(format!("cannot read the summary: {error}")))?;
+    if arguments.quiet {
+        say_errors(summary, arguments.strict);
+    } else {
         say::verdict(report(&summary, if arguments.verbose { usize::MAX } else { ROWS }).as_bytes())?;
     }
     Ok(exit_code(&status, arguments.strict))

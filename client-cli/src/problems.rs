@@ -6,11 +6,14 @@
 
 use std::fmt::Write as _;
 
-use crate::macros::remedy;
-use crate::say::{BAD, DIM, styled};
+use crate::macros::{remedy, remedy_for};
+use crate::say::{self, BAD, DIM, styled};
 use crate::severity::{self, ERROR, WARNING};
 use crate::summary::{Diagnostic, Member, Summary, Verdict};
 use crate::text::more;
+
+/// The verdict of a limit, in small letters.
+const LIMIT: &str = "limit";
 
 /// `2 errors, 1 warning`, empty without any.
 pub(crate) fn counts(summary: &Summary) -> String {
@@ -76,6 +79,16 @@ pub(crate) fn problems(summary: &Summary, most: usize) -> String {
     format!("{out}\n  {}\n\n", styled(DIM, hint))
 }
 
+/// Prints the errors of a job, with its warnings if they count as errors, on standard error; nothing without any.
+pub(crate) fn say_errors(mut summary: Summary, warnings: bool) {
+    let least = if warnings { WARNING } else { ERROR };
+    summary.diagnostics.retain(|diagnostic| diagnostic.severity >= least);
+    let text = problems(&summary, usize::MAX);
+    if !text.is_empty() {
+        say::status_line(text.trim_end());
+    }
+}
+
 /// How many of the errors were reported before the verdict.
 fn before_verdict(summary: &Summary, errors: &[(&Diagnostic, usize)]) -> usize {
     let Some(verdict) = &summary.verdict else { return errors.len() };
@@ -107,13 +120,13 @@ fn one(d: &Diagnostic, count: usize, several: bool, explained: &mut Vec<u32>) ->
     }
     if d.severity >= WARNING && !explained.contains(&d.number) {
         explained.push(d.number);
-        advise(&mut out, d.number);
+        advise(&mut out, remedy(d.number));
     }
     out
 }
 
-fn advise(out: &mut String, number: u32) {
-    if let Some(remedy) = remedy(number) {
+fn advise(out: &mut String, remedy: Option<String>) {
+    if let Some(remedy) = remedy {
         let _ = writeln!(out, "      {}", styled(DIM, format_args!("remedy: {remedy}")));
     }
 }
@@ -122,8 +135,8 @@ fn advise(out: &mut String, number: u32) {
 fn judged(summary: &Summary, verdict: &Verdict, several: bool) -> String {
     let number = summary.diagnostics.iter().find(|d| says(d, verdict)).map(|d| d.number);
     let head = match number {
-        Some(number) => format!("{} {number}", verdict.kind),
-        None => verdict.kind.clone(),
+        Some(number) => format!("{} {number} ({})", kind_word(&verdict.kind), verdict.kind),
+        None => format!("{} ({})", kind_word(&verdict.kind), verdict.kind),
     };
     let mut out = format!("  {} {}\n", styled(BAD, head), verdict.text);
     let quoted = |m: &&Member| m.line > 0 && !m.block.is_empty() && !verdict.text.contains(&format!("'{}'", m.block));
@@ -133,9 +146,14 @@ fn judged(summary: &Summary, verdict: &Verdict, several: bool) -> String {
         let _ = writeln!(out, "      {}", styled(DIM, block));
     }
     if let Some(number) = number {
-        advise(&mut out, number);
+        advise(&mut out, remedy_for(number, &verdict.kind));
     }
     out
+}
+
+/// A limit of the job, or channels that wait for ever.
+fn kind_word(kind: &str) -> &'static str {
+    if kind.eq_ignore_ascii_case(LIMIT) { LIMIT } else { "deadlock" }
 }
 
 #[cfg(test)]
@@ -171,7 +189,7 @@ mod tests {
             lines,
             [
                 "  error 2900061 channel 1 a:5: division by zero in '#1=1/0'",
-                "  PARTNER_ALARMED 2900071 channel 2 waits for channel 1",
+                "  deadlock 2900071 (PARTNER_ALARMED) channel 2 waits for channel 1",
                 "      channel 2 b:3: M101 P12",
                 "  warning 2001005 channel 1 a:2: Q not recognised",
                 "      X5 Q",
@@ -182,6 +200,7 @@ mod tests {
             "{text}"
         );
         assert_eq!(text.matches("remedy: ").count(), 3, "{text}");
+        assert!(text.contains("remedy: Correct the alarm of the other channel first\n"), "{text}");
         assert!(!text.contains("channel 0"), "{text}");
     }
 
@@ -198,7 +217,8 @@ mod tests {
         );
         let text = plain(&problems(&summary, 20));
         let at = |part: &str| text.find(part).unwrap();
-        let order = ["an alarm before", "CYCLE 2900071", "channel 3 waits for channel 1", "a warning"].map(at);
+        let order =
+            ["an alarm before", "deadlock 2900071 (CYCLE)", "channel 3 waits for channel 1", "a warning"].map(at);
         assert!(order.is_sorted(), "{text}");
     }
 

@@ -38,6 +38,30 @@ fn a_clean_program_gives_a_report_on_standard_output() {
 }
 
 #[test]
+fn a_quiet_command_prints_the_errors_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let failing = program(folder.path(), "part.nc", "G21 G90 G0 X10.\nG1 X20. F100.\nG1 X#9 Y[1/0]\nM30\n");
+    let warned = program(folder.path(), "warned.nc", "G21 G90 G0 X10.\nG1 X20. F100.\nM30\n");
+    let run = |arguments: &[&str]| {
+        let output = counterpoint(&[arguments, &["--machine", "fanuc-mill", "--quiet"]].concat());
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.stdout.is_empty(), "data");
+        (code(&output), text)
+    };
+    let (code, text) = run(&["run", &failing]);
+    assert_eq!(code, 1, "{text}");
+    assert!(text.contains("part.nc:3: ") && text.contains("remedy: ") && !text.contains("warning"), "{text}");
+    assert_eq!(run(&["run", &warned]), (0, String::new()));
+    let (code, text) = run(&["run", &warned, "--strict"]);
+    assert!(code == 1 && text.contains("warning 2900681 warned.nc:2: "), "{code} {text}");
+    let waiting = program(folder.path(), "waiting.nc", "M101 P12\nM30\n");
+    let other = program(folder.path(), "other.nc", "M30\n");
+    let output = counterpoint(&["lint", &waiting, &other, "--machine", "fanuc-2path-lathe", "--quiet"]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && text.contains("waiting.nc line 1"), "{text}");
+}
+
+#[test]
 fn all_results_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let upper = program(folder.path(), "upper.nc", "O1\nG0 X10. Z5.\nM101 P12\nG1 Z1. F.1\nM30\n");
@@ -396,7 +420,8 @@ fn a_table_of_tools_counts_for_one_run() {
     let part = program(folder.path(), "part.nc", "O1\nG43 H1 G0 Z10.\nM30\n");
     let table = program(folder.path(), "tools.csv", "number;name;diameter;length\nT1;FACE 63;63;80,0\n");
     let rows = program(folder.path(), "tools.toml", "[[tool.offsets]]\nnumber = 1\nvalues = { Z = 80 }\n");
-    let wrong = program(folder.path(), "wrong.csv", "number,length,Q\n2,1,\n1,80,3\n");
+    let wrong = program(folder.path(), "wrong.csv", "number,length,tip\n2,1,\n1,80,30\n");
+    let unknown = program(folder.path(), "unknown.csv", "number,length,Q\n2,1,\n");
     let own = folder.path().join("our-mill");
     std::fs::create_dir(&own).unwrap();
     std::fs::write(own.join("machine.toml"), "extends = \"fanuc-mill\"\n[ce]\nname = \"our-mill\"\n").unwrap();
@@ -412,7 +437,9 @@ fn a_table_of_tools_counts_for_one_run() {
         assert_eq!((status, time), (0, Some(920_000_000)), "{text}");
     }
     let (status, _, text) = run("fanuc-mill", &["--tools", &wrong]);
-    assert!(status == 2 && text.contains("wrong.csv:3: no axis has the name \"Q\""), "{status} {text}");
+    assert!(status == 2 && text.contains("wrong.csv:3: ") && text.contains("tip"), "{status} {text}");
+    let (status, _, text) = run("fanuc-mill", &["--tools", &unknown]);
+    assert!(status == 2 && text.contains("unknown.csv:1: unknown column 'Q'"), "{status} {text}");
 }
 
 /// One table for all controls: the active tool shifts the frame by 80 along Z, by 50 along X.
@@ -952,7 +979,7 @@ fn a_program_comes_from_standard_input() {
     assert!(ended == 1 && text.contains("channel 1 <standard input>:4: Q7"), "{text}");
     assert!(Path::new(&out).join("stdin.1.lce").is_file());
     let (ended, text) = told(&["run", &upper, "-", "--name", "lower.nc", "--quiet"], two);
-    assert!(ended == 1 && text.is_empty(), "{text}");
+    assert!(ended == 1 && text.contains("upper.nc:4: Q7") && !text.contains("blocks"), "{text}");
     let (ended, text) = told(&["run", "--no-timeline", "--", "-#1", "-#2"], &format!("{one}{two}"));
     assert!(ended == 1 && text.contains("<standard input>#2  ENDED"), "{text}");
     let (ended, text) = told(&["lint", "-", "--machine", "fanuc-mill", "--name", "part.nc"], "O1\nG0 X1.\nM30\n");

@@ -98,6 +98,18 @@ pub(crate) fn remedy(number: u32) -> Option<String> {
     (!first.starts_with("None needed")).then(|| without_links(first))
 }
 
+/// The remedy for a kind of verdict: the item of that kind in the list on the page, else the remedy for all kinds.
+pub(crate) fn remedy_for(number: u32, kind: &str) -> Option<String> {
+    let page = PAGES.get_file(format!("{number:08}.md")).and_then(|file| file.contents_utf8())?;
+    let quoted = format!("`{kind}`");
+    let of_kind = page.split("\n* ").skip(1).find_map(|item| {
+        let item = item.split("\n\n").next()?.trim_end().replace('\n', " ");
+        let (kinds, text) = item.split_once(": ")?;
+        kinds.split(", ").any(|one| one == quoted).then(|| text.trim_end_matches('.').to_owned())
+    });
+    of_kind.or_else(|| remedy(number))
+}
+
 /// Text of a page with `[text](address)` as `text`.
 pub(crate) fn without_links(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

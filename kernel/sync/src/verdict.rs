@@ -111,7 +111,7 @@ pub fn member(channel: u16, waits: &Waits) -> Member {
     }
 }
 
-/// `channel 1 waits since 1.000 s at x.nc line 3 'M101' for channel 2`.
+/// `channel 1 waits from 1.000 s on at x.nc line 3 'M101' for channel 2`.
 pub fn waiting_sentence(channel: u16, waits: &Waits, info: &Info) -> Option<String> {
     Sentences { waits, info }.waiting(channel)
 }
@@ -135,7 +135,7 @@ impl Sentences<'_> {
         };
         let since = match self.waits.timeless {
             true => String::new(),
-            false => format!(" since {:.3} s", waiting.tag.t as f64 / 1e9),
+            false => format!(" from {:.3} s on", waiting.tag.t as f64 / 1e9),
         };
         Some(format!(
             "channel {channel} waits{since} at {} for {some}channel{plural} {}",
