@@ -442,6 +442,36 @@ fn a_table_of_tools_counts_for_one_run() {
     assert!(status == 2 && text.contains("unknown.csv:1: unknown column 'Q'"), "{status} {text}");
 }
 
+#[test]
+fn a_length_that_the_table_of_tools_does_not_have_is_reported_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let mill = "G21 G90 G54\nT1 M6\nS500 M3\nG43 H1 Z50.\nG43 H7 Z40.\nG43 H7 Z30.\nG49\nM30\n";
+    let siemens = "T=\"A\"\nM6\nG0 X0 D1\nT5\nM6\nD1\nG0 X10\nD1\nM30\n";
+    let tnc = "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S500\n2 L Z+50 R0 FMAX M3\n3 TOOL CALL 5 Z S500\n4 L X+10 R0 FMAX\n\
+               5 M30\n6 END PGM A MM\n";
+    let numbers = program(folder.path(), "numbers.csv", "T,length mm\n1,80\n");
+    let names = program(folder.path(), "names.csv", "name,length mm\nA,80\n");
+    for (machine, text, table, place, subject) in [
+        ("fanuc-mill", mill, &numbers, "part.nc:5: ", "tool offset 7 has no values"),
+        ("haas-mill", mill, &numbers, "part.nc:5: ", "tool offset 7 has no values"),
+        ("siemens-mill", siemens, &names, "part.nc:5: ", "edge 1 of tool 5 has no values"),
+        ("heidenhain-mill", tnc, &numbers, "part.nc:4: ", "tool offset 5 has no values"),
+    ] {
+        let path = program(folder.path(), "part.nc", text);
+        let run = |more: &[&str]| {
+            let output = counterpoint(&[&["run", "--no-timeline", "--machine", machine, &path], more].concat());
+            String::from_utf8_lossy(&output.stdout)
+                .lines()
+                .filter(|line| line.contains(" 2900024 "))
+                .collect::<String>()
+        };
+        let told = run(&["--tools", table]);
+        assert!(told.contains(&format!("{place}{subject}")) && !told.contains("times)"), "{machine}: {told}");
+        assert_eq!(told.matches("2900024").count(), 1, "{machine}: {told}");
+        assert_eq!(run(&[]), "", "{machine}: without a table all lengths are zero");
+    }
+}
+
 /// One table for all controls: the active tool shifts the frame by 80 along Z, by 50 along X.
 #[test]
 fn a_table_of_tools_counts_on_every_control() {

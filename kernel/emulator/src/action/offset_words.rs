@@ -43,6 +43,10 @@ pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
 
 /// Activates a length offset; the caller must then rebuild the frame.
 pub(super) fn put_length(act: &mut Act<'_, '_>, sign: f64, number: u32) {
+    let before = act.state.place.in_force;
+    if sign != 0.0 && (before.length_sign == 0.0 || before.length_number != number) {
+        super::tool::missing_among_listed(act, number);
+    }
     act.state.place.in_force.set_length(sign, number);
 }
 

@@ -73,15 +73,9 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
 /// Reports a tool offset that has no values; on a machine without any tool offsets once, as a remark.
 fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
     let machine = act.env.machine;
-    let offsets = &machine.tool.offsets;
-    let set = act.state.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
-    if offset == 0 || set || offsets.iter().any(|known| known.number == offset) {
-        return;
-    }
-    if !offsets.is_empty() {
-        let text = format!("tool offset {offset} has no values in machine {}, zero is used", machine.name);
-        act.diagnose(&diag::NO_OFFSET, text);
-    } else if !std::mem::replace(&mut act.state.place.tools.offsets_reported, true) {
+    if !machine.tool.offsets.is_empty() {
+        missing_among_listed(act, offset);
+    } else if has_no_values(act, offset) && !std::mem::replace(&mut act.state.place.tools.offsets_reported, true) {
         let text = format!(
             "machine {} has no tool offsets: offset {offset} of '{}' and all others are zero",
             machine.name,
@@ -89,6 +83,25 @@ fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
         );
         act.diagnose(&Facts { severity: 0, ..diag::NO_OFFSET }, text);
     }
+}
+
+/// Reports a tool offset that has no values, if the machine or its table of tools gives values to others.
+pub(super) fn missing_among_listed(act: &mut Act<'_, '_>, offset: u32) {
+    let machine = act.env.machine;
+    if machine.tool.offsets.is_empty() || !has_no_values(act, offset) {
+        return;
+    }
+    let subject = match (offset.checked_div(machine.tool.edges), offset.checked_rem(machine.tool.edges)) {
+        (Some(tool), Some(edge)) => format!("edge {edge} of tool {tool}"),
+        _ => format!("tool offset {offset}"),
+    };
+    let text = format!("{subject} has no values in machine {}, zero is used", machine.name);
+    act.diagnose(&diag::NO_OFFSET, text);
+}
+
+fn has_no_values(act: &Act<'_, '_>, offset: u32) -> bool {
+    let set = act.state.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
+    offset != 0 && !set && act.env.machine.tool.offsets.iter().all(|known| known.number != offset)
 }
 
 fn tool_word(act: &mut Act<'_, '_>) -> Option<f64> {
