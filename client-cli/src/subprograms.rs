@@ -124,7 +124,9 @@ impl Mentionable {
     }
 
     fn take_stems(&mut self, text: &[u8], mentioned: &mut BTreeSet<String>) {
-        let firsts: Vec<u8> = self.stems.keys().filter_map(|stem| stem.first().copied()).collect();
+        let firsts = self.stems.keys().filter_map(|stem| stem.first().copied());
+        // Names of a Siemens archive begin with `_N_`.
+        let firsts: Vec<u8> = firsts.chain([b'_']).collect();
         let mut begins = [false; 256];
         for (byte, begins) in (0..=u8::MAX).zip(&mut begins) {
             *begins = firsts.contains(&byte);
@@ -132,11 +134,17 @@ impl Mentionable {
         let may_begin = |word: &[u8]| word.first().is_some_and(|byte| begins.get(usize::from(*byte)) == Some(&true));
         for word in text.split(|byte| !is_part(*byte)).filter(|word| may_begin(word)) {
             let without_ending = word.iter().position(|&byte| byte == b'.').and_then(|at| word.get(..at));
-            for word in [Some(word), without_ending].into_iter().flatten() {
+            for word in [Some(word), without_ending, archive_name(word)].into_iter().flatten() {
                 mentioned.extend(self.stems.remove(word).unwrap_or_default());
             }
         }
     }
+}
+
+/// The name of a program in the form of an archive: `part` of `_n_part_mpf`.
+fn archive_name(word: &[u8]) -> Option<&[u8]> {
+    let name = word.strip_prefix(b"_n_")?;
+    name.strip_suffix(b"_mpf").or_else(|| name.strip_suffix(b"_spf"))
 }
 
 /// Whether a byte is part of a name.
@@ -198,6 +206,8 @@ mod tests {
             ("pocket", ""),
             ("notes", ""),
             ("EXTCALL \"X1\"", "X1.MPF"),
+            ("INIT(2,\"/_N_MPF_DIR/_N_X1_MPF\",\"S\")", "X1.MPF"),
+            ("_N_L20_SPF _N_SUB", "L20.SPF"),
         ];
         for (text, names) in cases {
             assert_eq!(mentioned(text), names, "{text}");

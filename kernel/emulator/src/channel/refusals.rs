@@ -176,12 +176,21 @@ impl Kernel<'_> {
             return self.check_exchanged(slots);
         };
         let word = self.span_text((word.start, word.end));
-        let text = format!(
-            "channel {} has no axis for {word} in '{}'; no part of the block acts",
-            self.channel.at.channel,
-            self.block_text()
-        );
+        let text = format!("{} for {word} in '{}'; no part of the block acts", self.no_such_axis(), self.block_text());
         Err(self.alarm(&diag::AXIS_NOT_IN_CHANNEL, text))
+    }
+
+    /// `channel 1 has no axis (its axes are X, Y and Z)`.
+    pub(crate) fn no_such_axis(&self) -> String {
+        let machine = self.channel.env.machine;
+        let axes = self.channel.state.place.layout.axes.entries();
+        let letters: Vec<&str> = axes.map(|(_, axis)| machine.axes[axis.machine].letter.as_str()).collect();
+        let letters = match letters.as_slice() {
+            [] => "it has none".to_owned(),
+            [one] => format!("its axis is {one}"),
+            [first @ .., last] => format!("its axes are {} and {last}", first.join(", ")),
+        };
+        format!("channel {} has no axis ({letters})", self.channel.at.channel)
     }
 
     /// Whether no rule can refuse the block, for any active codes.

@@ -120,7 +120,7 @@ impl Kernel<'_> {
         if axis && !self.channel_has(register) {
             self.diagnose(
                 &diag::AXIS_NOT_IN_CHANNEL,
-                format!("channel {} has no axis for {word} in '{block}'; the word is ignored", self.channel.at.channel),
+                format!("{} for {word} in '{block}'; the word is ignored", self.no_such_axis()),
             );
         } else if axis && self.channel.state.modal.code(group::MOTION).is_none() {
             self.diagnose(&diag::NO_MOTION_MODE, format!("no motion code is active for {word} in '{block}'"));
