@@ -709,6 +709,39 @@ fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     watch.wait().unwrap();
 }
 
+/// The watch of a job that was paused, resumed and cancelled ends with the job, whether it was there all the time or
+/// begins afterwards.
+#[test]
+fn a_watch_of_a_job_that_is_paused_resumed_and_cancelled_ends_with_the_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_runtime, url) = server(folder.path());
+    let call = |arguments: &[&str]| {
+        let output = counterpoint(&[arguments, &["--server", &url]].concat());
+        let out = String::from_utf8_lossy(&output.stdout).trim_end().to_owned();
+        (code(&output), out, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    // The first block is reported, since the spindle is off; the rest of the program has no end.
+    let part = program(folder.path(), "part.nc", "O1\nG1 X1. F100\nN1 G4 P9\nGOTO 1\nM30\n");
+    let (status, job, talk) = call(&["submit", &part, "--machine", "fanuc-mill"]);
+    assert_eq!(status, 0, "{talk}");
+    let mut watch = Command::new(env!("CARGO_BIN_EXE_counterpoint"))
+        .args(["watch", &job, "--server", &url])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut output = std::io::BufReader::new(watch.stdout.take().unwrap());
+    let mut lines = std::io::BufRead::lines(&mut output).map(Result::unwrap);
+    assert!(lines.any(|line| line.contains("2900681")));
+    assert_eq!(call(&["pause", &job]).0, 0);
+    while !call(&["status", &job]).1.contains("PAUSED") {}
+    assert_eq!(call(&["resume", &job]).0, 0);
+    assert_eq!(call(&["cancel", &job]).0, 0);
+    assert_eq!(watch.wait().unwrap().code(), Some(1));
+    let (status, _, talk) = call(&["watch", &job]);
+    assert_eq!(status, 1, "{talk}");
+}
+
 /// A server in this process until the test ends, and its address.
 fn server(folder: &Path) -> (tokio::runtime::Runtime, String) {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();

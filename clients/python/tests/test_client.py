@@ -3,10 +3,12 @@
 import os
 import pathlib
 import tempfile
+import time
 import unittest
 import xml.dom.minidom
 
 from counterpoint import Client, JobFailed, draw
+from counterpoint.v1 import jobs_pb2
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "examples" / "two-turret"
 
@@ -40,6 +42,24 @@ class Against(unittest.TestCase):
         self.assertEqual(self.client.submit("fanuc-mill", programs, request_id="once"), first)
         with self.assertRaises(JobFailed):
             self.client.watch(self.client.submit("fanuc-2path-lathe", {"b.nc": b"", "c.nc": b"", "d.nc": b""}))
+
+    def test_a_watch_of_a_job_that_is_paused_and_cancelled_ends_with_the_job(self) -> None:
+        job = self.client.submit("fanuc-mill", {"a.nc": b"O1\nG1 X1. F100\nN1 G4 P9\nGOTO 1\nM30\n"})
+        cursor, state = 0, None
+        for message in self.client.events(job):
+            if message.WhichOneof("content") == "batch" and not cursor:
+                cursor = message.batch.last_seq
+                self.client._jobs.PauseJob(jobs_pb2.PauseJobRequest(job_id=job))
+                while self.status(job) == jobs_pb2.JOB_STATE_RUNNING:
+                    time.sleep(0.01)
+                self.client._jobs.CancelJob(jobs_pb2.CancelJobRequest(job_id=job))
+            elif message.WhichOneof("content") == "ended":
+                state = message.ended.state
+        self.assertEqual(state, jobs_pb2.JOB_STATE_CANCELLED)
+        self.assertEqual(list(self.client.events(job, after=cursor))[-1].ended.state, state)
+
+    def status(self, job: str) -> int:
+        return self.client._jobs.GetJob(jobs_pb2.GetJobRequest(job_id=job)).status.state
 
     def test_a_file_serves_several_channels_and_names_are_unique(self) -> None:
         program = EXAMPLES / "upper.nc"

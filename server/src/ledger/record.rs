@@ -318,6 +318,17 @@ impl Record {
         }
     }
 
+    /// Whether any further run would give the log of this one. A run that was stopped may have logged less than an
+    /// earlier run that a pause or the end of a server has stopped; so may a run that an operator has stepped through.
+    pub(crate) fn log_is_final(&self) -> bool {
+        let stopped = match self.state {
+            State::Queued | State::Running | State::Cancelled => true,
+            State::Failed => self.runs.cause != Some(Cause::Program),
+            State::Succeeded => false,
+        };
+        !stopped && !self.options.stepped
+    }
+
     /// Whether another record asks for the same.
     pub(crate) fn asks_the_same(&self, other: &Self) -> bool {
         if self.content.starts_with(CONTENT) {

@@ -107,6 +107,61 @@ async fn a_paused_job_can_be_cancelled_and_ends_at_its_deadline() {
     server.stop().await;
 }
 
+/// A watch that has seen more events than the last run logs is given the end, whether it continues, or begins at its
+/// cursor now or after a restart of the server.
+#[tokio::test]
+async fn a_watch_of_an_earlier_run_is_given_the_end_of_a_shorter_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let mut ended = Vec::new();
+    for resumed in [false, true] {
+        let job = server.submit(&format!("resumed-{resumed}"), "PACED 4000").await;
+        let mut watch = server.watch(&job, 0, v1::WatchLevel::Everything).await;
+        let mut cursor = 0;
+        while cursor < 100 {
+            if let Some(Content::Batch(batch)) = watch.message().await.unwrap().unwrap().content {
+                assert_eq!(batch.first_seq, cursor + 1);
+                cursor = batch.last_seq;
+            }
+        }
+        pause(&server, &job).await;
+        server.until(&job, v1::JobState::Queued).await;
+        if resumed {
+            resume(&server, &job).await;
+            server.until(&job, v1::JobState::Running).await;
+        }
+        server.jobs().cancel_job(v1::CancelJobRequest { job_id: job.clone() }).await.unwrap();
+        let events = server.wait(&job).await.events;
+        assert!(events < cursor, "{events}");
+        ended.push((job, cursor, watch));
+    }
+    for (job, cursor, open) in &mut ended {
+        let again = server.watch(job, *cursor, v1::WatchLevel::Everything).await;
+        for mut watch in [std::mem::replace(open, again), server.watch(job, 0, v1::WatchLevel::Progress).await] {
+            assert_eq!(end(&mut watch).await, v1::JobState::Cancelled);
+        }
+        assert_eq!(end(open).await, v1::JobState::Cancelled);
+    }
+    server.stop().await;
+    let server = Server::start(options(folder.path())).await;
+    for (job, cursor, _) in &ended {
+        let mut watch = server.watch(job, *cursor, v1::WatchLevel::Diagnostics).await;
+        assert_eq!(end(&mut watch).await, v1::JobState::Cancelled);
+    }
+    server.stop().await;
+}
+
+/// The state at the end of a watch that has no more events.
+async fn end(watch: &mut tonic::Streaming<v1::WatchJobResponse>) -> v1::JobState {
+    loop {
+        match watch.message().await.unwrap().expect("the end comes first").content.unwrap() {
+            Content::Ended(status) => return status.state(),
+            // Of the first run.
+            Content::Batch(_) | Content::Progress(_) | Content::Description(_) => {}
+        }
+    }
+}
+
 /// However pauses, resumes and a cancel meet a run that begins and ends, the job ends once and nothing stays behind.
 #[tokio::test]
 async fn pauses_and_resumes_at_any_moment_lose_no_job() {

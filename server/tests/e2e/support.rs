@@ -217,6 +217,9 @@ impl Prepared for Ready {
                 }
                 ("PACED", count) => {
                     for _ in 0..count.parse::<u64>().unwrap() {
+                        if control.cancelled() {
+                            break;
+                        }
                         std::thread::sleep(Duration::from_millis(5));
                         assert!(send(sink, seq, &[Event { t_ns: clock(), ..event(seq) }]));
                         seq += 1;
