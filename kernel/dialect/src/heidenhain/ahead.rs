@@ -4,6 +4,7 @@
 //! blocks without motion may come between a line and its corner; after a corner the look ahead follows assignments and
 //! jumps, and ends at a call. Invariant: a look ahead leaves the parameters as they were.
 
+use super::corner::goes_in_plane;
 use super::eval::Evaluator;
 use super::formula::Name;
 use super::iso_blocks::Modes;
@@ -28,7 +29,8 @@ impl Heidenhain {
         place: Place,
     ) -> Result<Vec<Step>, Halt> {
         // The line after an arc may say where the arc ends.
-        let approach = matches!(shape, Shape::Approach(_) | Shape::FreeArc { .. });
+        let to_contour = matches!(shape, Shape::Approach(_));
+        let approach = to_contour || matches!(shape, Shape::FreeArc { .. });
         let cuts = !matches!(
             shape,
             Shape::Pole | Shape::FreePole | Shape::FreeSelect | Shape::Chamfer | Shape::Round | Shape::Depart(_)
@@ -50,11 +52,36 @@ impl Heidenhain {
             return Ok(Vec::new());
         }
         let mut run = Run { modes: self.modes, said: Vec::new(), before: Vec::new() };
-        let steps = self.steps_from(host, &mut run, (next, place), is_corner || elements);
+        let steps = if to_contour {
+            self.steps_to_motion(host, &mut run, (next, place))
+        } else {
+            self.steps_from(host, &mut run, (next, place), is_corner || elements)
+        };
         for (name, value) in run.before.into_iter().rev() {
             self.variables.put_back(name, value);
         }
         steps
+    }
+
+    /// The path blocks up to the first one that moves in the plane.
+    fn steps_to_motion(
+        &mut self,
+        host: &mut dyn Host,
+        run: &mut Run,
+        (from, place): (u32, Place),
+    ) -> Result<Vec<Step>, Halt> {
+        let (mut steps, mut behind) = (Vec::new(), from);
+        while behind < from.saturating_add(NEAR) {
+            let Some((found, after)) = self.run_to_steps(host, run, (behind, place))? else { break };
+            let plane = self.path.plane;
+            let arrived = found.iter().any(|step| goes_in_plane(step, plane));
+            steps.extend(found);
+            if arrived {
+                break;
+            }
+            behind = after;
+        }
+        Ok(steps)
     }
 
     /// The next path block, and with `more` the path block after it, with a pole between them.

@@ -6,7 +6,7 @@
 //! and ends on the last line of a departure, after an arc on the next straight line. Invariant: a corner that cannot be
 //! made is left sharp and reported.
 
-use super::path::{Corner, Position, Shape, Walk, axis};
+use super::path::{Corner, Position, Shape, Step, Walk, axis};
 use super::words::Seen;
 use counterpoint_motion::contour::element::Element;
 
@@ -164,8 +164,7 @@ impl Walk<'_> {
         };
         let (from, to) = (self.flat(&self.start), self.flat(&end));
         self.path.base = None;
-        let next = self.ahead.first().cloned();
-        let heading = next.as_ref().and_then(|step| self.heading_of(step, &end, to));
+        let heading = self.heading_ahead(&end, to);
         let Some(heading) = heading else {
             self.refuse("the approach needs a path block after it for its direction");
             let others = self.others(&USED);
@@ -215,18 +214,27 @@ impl Walk<'_> {
         (first, second)
     }
 
+    /// Direction in which the first path block ahead that moves in the plane leaves a point; poles may be before it.
+    fn heading_ahead(&self, from: &Position, point: Point) -> Option<Point> {
+        let mut pole = self.path.poles.flat;
+        for step in self.ahead {
+            match step.shape {
+                Shape::Pole => pole = self.pole_of(&step.seen, from),
+                _ if goes_in_plane(step, self.path.plane) => return self.heading_of(step, from, (point, pole)),
+                _ => {}
+            }
+        }
+        None
+    }
+
     /// Direction in which a block leaves a point.
-    fn heading_of(&self, step: &super::path::Step, from: &Position, point: Point) -> Option<Point> {
-        let moves = step.seen.iter().any(|word| {
-            word.value.is_some() && (axis(&word.name).is_some() || matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA"))
-        });
+    fn heading_of(&self, step: &Step, from: &Position, (point, pole): (Point, Option<Point>)) -> Option<Point> {
         match step.shape {
-            _ if !moves => None,
             Shape::Line | Shape::Tangent => direction(minus(self.end_of(&step.seen, from, None, false)?, point)),
-            Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, self.path.poles.flat, true)?, point)),
+            Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, pole, true)?, point)),
             Shape::Arc | Shape::PolarArc => {
                 let clockwise = step.seen.iter().any(|word| word.text == "DR-");
-                direction(contour::heading_on(self.path.poles.flat?, point, clockwise))
+                direction(contour::heading_on(pole?, point, clockwise))
             }
             Shape::Radius => {
                 let to = self.end_of(&step.seen, from, None, false)?;
@@ -297,6 +305,14 @@ impl Walk<'_> {
 
 /// Words that paths to and from a contour use.
 const USED: [&str; 8] = ["PR", "PA", "IPR", "IPA", "LEN", "CCA", "CCA=", "R"];
+
+/// Whether a block moves axes of the plane.
+pub(super) fn goes_in_plane(step: &Step, plane: [usize; 2]) -> bool {
+    let in_plane = |name: &str| axis(name).is_some_and(|(own, _)| plane.contains(&own));
+    let is_polar = |name: &str| matches!(name, "PR" | "PA" | "IPR" | "IPA");
+    let moves = |word: &Seen| word.value.is_some() && (in_plane(&word.name) || is_polar(&word.name));
+    !matches!(step.shape, Shape::Pole | Shape::FreePole | Shape::FreeSelect) && step.seen.iter().any(moves)
+}
 
 fn is_g(seen: &[Seen], number: f64) -> bool {
     seen.iter().any(|word| word.is("G") && word.value == Some(number))

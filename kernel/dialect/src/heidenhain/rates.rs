@@ -36,8 +36,12 @@ impl Walk<'_> {
             }
             None => {}
         }
-        let still = matches!(self.step.shape, Shape::Pole | Shape::FreePole | Shape::FreeSelect | Shape::Iso);
-        if moves || !still && !is_corner {
+        let positions = match self.step.shape {
+            Shape::Pole | Shape::FreePole | Shape::FreeSelect => false,
+            Shape::Line | Shape::Iso | Shape::Chamfer | Shape::Round => moves,
+            _ => true,
+        };
+        if positions {
             self.path.rates.rapid_before = self.step.seen.iter().any(|word| word.is("FMAX"));
         }
         if let Some(rapid) = &self.step.rapid {
