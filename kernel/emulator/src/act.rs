@@ -244,6 +244,16 @@ impl Act<'_, '_> {
         self.kernel.spindle_speed()
     }
 
+    /// How the spindle turns during a time by its revolutions that begins now, `None` while it does not turn.
+    pub(crate) fn speed_from_now(&mut self) -> Result<Option<Turning>, Halt> {
+        self.kernel.speed_from_now()
+    }
+
+    /// The same for a cut, which begins together with that of the other channel in balance cutting.
+    pub(crate) fn speed_of_cut(&mut self) -> Result<Option<Turning>, Halt> {
+        self.kernel.speed_of_cut()
+    }
+
     /// Records that the time of a block of this many seconds, which begins now, uses the spindle speed known now.
     pub(crate) fn assume_speed(&mut self, seconds: f64) {
         self.kernel.assume_speed(seconds);

@@ -9,6 +9,7 @@ use crate::wait::Set;
 use counterpoint_event::event::Direction;
 use counterpoint_lang::value::Value;
 use counterpoint_motion::driven_speed::DrivenSpeed;
+use counterpoint_motion::surface_speed::Speed;
 
 /// Shared state; touched only inside shared operations.
 #[derive(Debug, Clone, Default)]
@@ -93,6 +94,15 @@ pub struct Command {
     pub angle: f64,
 }
 
+impl Command {
+    /// Smallest and largest speed of a spindle with this range, rev/min.
+    #[must_use]
+    pub fn bounds(&self, [min, max]: [f64; 2]) -> [f64; 2] {
+        let max = max.min(self.limit);
+        [min.max(self.least).min(max), max]
+    }
+}
+
 impl Default for Command {
     fn default() -> Self {
         Self {
@@ -171,19 +181,54 @@ pub struct Spindle {
 }
 
 impl Spindle {
-    /// Changes the command, at a time and by a channel; the spindle then keeps this speed until its driver moves.
-    /// Returns whether that changes anything.
-    pub fn change(&mut self, change: impl Fn(&mut Command), speed: f64, (t, channel): (i64, u16)) -> bool {
+    /// Changes the command, at a time and by a channel. If that changes the speed, the spindle then keeps the speed `was`
+    /// until its driver moves. `range`: smallest and largest speed of the spindle itself, rev/min. Returns whether that
+    /// changes anything.
+    pub fn change(
+        &mut self,
+        change: impl Fn(&mut Command),
+        (was, range): (f64, [f64; 2]),
+        (t, channel): (i64, u16),
+    ) -> bool {
         let old = self.command;
         change(&mut self.command);
         if self.command == old {
             return false;
         }
+        if self.keeps_speed(&old, was, range, t) {
+            return true;
+        }
         if self.course.take().is_some() || old.driver == channel && self.command.driver != channel {
-            self.now = speed;
+            self.now = was;
         }
         self.changes.note(t, channel);
         true
+    }
+
+    /// Whether a change of the limits from those of the old command leaves the speed as it is.
+    fn keeps_speed(&self, old: &Command, was: f64, range: [f64; 2], t: i64) -> bool {
+        let new = &self.command;
+        if (Command { limit: new.limit, least: new.least, ..*old }) != *new {
+            return false;
+        }
+        let [before, after] = [old, new].map(|command| command.bounds(range));
+        let clamp = |[min, max]: [f64; 2], rpm: f64| rpm.min(max).max(min);
+        if !new.css {
+            return clamp(before, new.rpm) == clamp(after, new.rpm);
+        }
+        match self.course.filter(|course| t < course.time[1]) {
+            Some(Course { driven: DrivenSpeed { speed, radii: [from, to], .. }, .. }) => {
+                let nearest = if from * to <= 0.0 { 0.0 } else { from };
+                let rpm = |[min, max]: [f64; 2], radius| Speed { min, max, ..speed }.rpm(radius);
+                [from, to, nearest].iter().all(|radius| rpm(before, *radius) == rpm(after, *radius))
+            }
+            // At a limit the speed without it is not known.
+            None => {
+                clamp(after, was) == was
+                    && (was > before[0] || after[0] >= before[0])
+                    && (was < before[1] || after[1] <= before[1])
+            }
+        }
     }
 }
 

@@ -12,6 +12,8 @@ pub struct Tag {
 }
 
 impl Tag {
+    /// Microstep at which a channel looks at data that other channels may still change at the same instant.
+    pub const LATE: u32 = 1 << 20;
     /// After everything.
     pub const END: Self = Self { t: i64::MAX, micro: u32::MAX, channel: u16::MAX };
 }

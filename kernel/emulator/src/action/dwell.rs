@@ -66,7 +66,7 @@ impl Act<'_, '_> {
 }
 
 fn turns(act: &mut Act<'_, '_>, revolutions: f64) -> Acted {
-    let minutes = match act.spindle_speed()? {
+    let minutes = match act.speed_from_now()? {
         Some(Turning::Driven(driven, elapsed)) => driven.minutes_of(elapsed, revolutions),
         Some(turning) => revolutions / turning.rpm(act.radius(&act.state.place.position)),
         None => {

@@ -155,7 +155,7 @@ impl Act<'_, '_> {
 
     /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle is stopped.
     fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
-        let Some(speed) = self.spindle_speed()? else {
+        let Some(speed) = self.speed_of_cut()? else {
             let text = format!(
                 "feed per revolution while the spindle is stopped in '{}', the move is timed as rapid",
                 self.block_text()

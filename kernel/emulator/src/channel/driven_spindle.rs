@@ -1,15 +1,16 @@
 //! A spindle under constant surface speed that several channels use: its driver publishes the speed of each move.
 //!
 //! At the start of a move the driver publishes the change of the speed during the move. The time of a move of another
-//! channel then follows this speed. *Invariant:* if another channel changes the speed before the end of a time that was
+//! channel then follows this speed; a move that starts at the same instant counts. *Invariant:* if another channel changes the speed before the end of a time that was
 //! computed with it, the channel reports that once.
 
-use counterpoint_event::event::{FeedUnit, Motion};
+use counterpoint_event::event::{FeedUnit, Motion, MotionKind};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_motion::driven_speed::{DrivenSpeed, Progress};
 use counterpoint_sync::races::Mode;
-use counterpoint_sync::shared::Course;
+use counterpoint_sync::shared::{Command, Course};
+use counterpoint_sync::tag::Tag;
 
 use super::Kernel;
 use super::access::Door;
@@ -88,6 +89,41 @@ impl Kernel<'_> {
             })?;
         }
         Ok(())
+    }
+
+    /// How the spindle turns during a time by revolutions that starts now, `None` when it is stopped. Unless this
+    /// channel drives the spindle, it looks after all commands and moves that other channels begin at this instant, so
+    /// the time does not depend on the numbers of the channels.
+    pub(crate) fn speed_from_now(&mut self) -> Result<Option<Turning>, diag::Halt> {
+        let drives = |kernel: &Self| {
+            let Command { css, driver, .. } = kernel.channel.state.spindle.command;
+            css && driver == kernel.channel.at.channel
+        };
+        if !self.channel.state.spindle.shared {
+            return self.spindle_speed();
+        }
+        if drives(self) {
+            let speed = self.spindle_speed()?;
+            if drives(self) {
+                return Ok(speed);
+            }
+        }
+        // Programs that are only checked take no time, so no instant of theirs ends.
+        if !self.channel.env.options.lint {
+            if self.channel.held.as_ref().is_some_and(|held| held.since.t < self.channel.at.clock) {
+                self.flush_lookahead()?;
+            }
+            self.channel.at.micro = self.channel.at.micro.max(Tag::LATE);
+        }
+        self.spindle_speed()
+    }
+
+    /// The same for a cut. In balance cutting it first waits for the cut of the other channel.
+    pub(crate) fn speed_of_cut(&mut self) -> Result<Option<Turning>, diag::Halt> {
+        if self.channel.state.others.balance.is_some() {
+            self.pair_cut(MotionKind::Linear)?;
+        }
+        self.speed_from_now()
     }
 
     /// The rotation of the spindle while another channel drives it.

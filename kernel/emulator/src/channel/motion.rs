@@ -60,7 +60,7 @@ impl Kernel<'_> {
     /// Two channels that cut in balance begin the cuts of their blocks together; rapid moves are free.
     #[cold]
     #[inline(never)]
-    fn pair_cut(&mut self, kind: MotionKind) -> Acted {
+    pub(super) fn pair_cut(&mut self, kind: MotionKind) -> Acted {
         let balance = self.channel.state.others.balance;
         match balance.filter(|_| kind != MotionKind::Rapid && !self.channel.block.flags.paired) {
             Some(wait) => {

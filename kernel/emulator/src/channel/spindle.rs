@@ -36,10 +36,10 @@ impl Kernel<'_> {
         let channel = self.channel.at.channel;
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
-            let now = self.channel.now();
+            let (now, was) = (self.channel.now(), (before, self.spindle_range()));
             let (command, writer) = self.access(Door::Spindle, Mode::Write, |shared| {
                 let Some(spindle) = shared.spindles.get_mut(id.index()) else { return (Command::default(), 0) };
-                let changed = spindle.change(change, before, (now, channel));
+                let changed = spindle.change(change, was, (now, channel));
                 let other = spindle.writer != 0 && spindle.writer != channel && !spindle.ordered.has(channel);
                 let writer = if changed && other { spindle.writer } else { 0 };
                 spindle.writer = channel;
@@ -72,11 +72,11 @@ impl Kernel<'_> {
             change(&mut self.channel.state.spindle.command);
             return Ok(());
         }
-        let before = self.turning_speed()?;
+        let was = (self.turning_speed()?, self.spindle_range());
         let at = (self.channel.now(), self.channel.at.channel);
         let command = self.access(Door::Spindle, Mode::Write, |shared| {
             shared.spindles.get_mut(id.index()).map(|spindle| {
-                spindle.change(change, before, at);
+                spindle.change(change, was, at);
                 spindle.command
             })
         })?;
@@ -166,15 +166,18 @@ impl Kernel<'_> {
         Ok(Some(Turning::Surface(speed)))
     }
 
+    /// Smallest and largest speed of the spindle itself, rev/min.
+    fn spindle_range(&self) -> [f64; 2] {
+        match self.channel.state.spindle.id.map(|id| &self.channel.env.machine.spindles[id]) {
+            Some(spindle) if spindle.max > 0.0 => [spindle.min, spindle.max],
+            Some(spindle) => [spindle.min, f64::INFINITY],
+            None => [0.0, f64::INFINITY],
+        }
+    }
+
     /// Speed of a command under constant surface speed, within the limits of the spindle and of the program.
     pub(super) fn surface_speed(&self, command: &Command) -> Speed {
-        let (max, min) = match self.channel.state.spindle.id.map(|id| &self.channel.env.machine.spindles[id]) {
-            Some(spindle) if spindle.max > 0.0 => (spindle.max, spindle.min),
-            Some(spindle) => (f64::INFINITY, spindle.min),
-            None => (f64::INFINITY, 0.0),
-        };
-        let max = max.min(command.limit);
-        let min = min.max(command.least).min(max);
+        let [min, max] = command.bounds(self.spindle_range());
         let factor = match (self.channel.env.machine.unit, self.channel.state.secondary) {
             (Unit::Mm, false) | (Unit::Inch, true) => 1000.0,
             (Unit::Mm, true) | (Unit::Inch, false) => 12.0,

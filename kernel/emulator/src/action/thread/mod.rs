@@ -214,7 +214,7 @@ impl Act<'_, '_> {
             self.diagnose(&diag::NO_LEAD, text);
             return Ok(self.rapid_seconds(&from, target));
         }
-        let Some(turning) = self.spindle_speed()? else {
+        let Some(turning) = self.speed_of_cut()? else {
             let text =
                 format!("thread while the spindle is stopped in '{}', the move is timed as rapid", self.block_text());
             self.diagnose(&diag::SPINDLE_STANDS, text);
@@ -222,11 +222,12 @@ impl Act<'_, '_> {
         };
         let minutes = |lead: Lead| match turning {
             Turning::Fixed(rpm) => lead.minutes(way, rpm),
-            Turning::Driven(driven, elapsed) => lead.minutes(way, driven.rpm(elapsed)),
+            Turning::Driven(driven, elapsed) => Some(driven.minutes_of(elapsed, lead.revolutions(way)?)),
             Turning::Surface(speed) => lead.surface_minutes(way, &speed, self.radius(&from), self.radius(target)),
         };
         let lead = Lead { start: screw.lead, change: screw.change };
         if let Some(minutes) = minutes(lead) {
+            self.assume_speed(minutes * 60.0);
             return Ok(minutes * 60.0);
         }
         let steady = minutes(Lead { change: 0.0, ..lead }).unwrap_or(0.0) * 60.0;
