@@ -8,6 +8,7 @@ use counterpoint_proto::v1;
 use crate::arguments::{Format, Lint, ResultKind};
 use crate::client::{Asked, Client};
 use crate::error::Error;
+use crate::json_summary::with_remedies;
 use crate::outcome::{exit_code, not_run};
 use crate::problems::{counts, problems, say_errors};
 use crate::run::{Submission, follow, machine, submit_pack};
@@ -38,7 +39,7 @@ pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
     }
     let text = results::whole(&client, &job, ResultKind::Summary, 0, Format::Json.into()).await?;
     if arguments.json {
-        say::verdict(&text)?;
+        say::verdict(&with_remedies(&text))?;
         return Ok(exit_code(&status, arguments.strict));
     }
     let summary: Summary = serde_json::from_slice(&text)

@@ -25,6 +25,7 @@ mod instant;
 mod job_names;
 mod job_status;
 mod jobs;
+mod json_summary;
 mod known;
 mod lint;
 mod load;

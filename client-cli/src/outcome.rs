@@ -16,7 +16,8 @@ pub(crate) fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
     let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
     let succeeded = status.state() == v1::JobState::Succeeded;
     let warnings = if succeeded && status.highest_severity >= WARNING { ", with warnings" } else { "" };
-    let text = format!("{state}{warnings}  cycle time {}  {}", time(status.makespan_ns), status.verdict);
+    let label = if succeeded { "cycle time" } else { "after" };
+    let text = format!("{state}{warnings}  {label} {}  {}", time(status.makespan_ns), status.verdict);
     say::status_line(text.trim_end());
     exit_code(status, strict)
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::problems::{counts, problems};
 use crate::say::{BAD, GOOD, WARN, styled};
-use crate::summary::{Summary, Tool, ToolTimes};
+use crate::summary::{Channel, Summary, Tool, ToolTimes};
 use crate::text::{more, table, time};
 
 /// Diagnostics shown at most.
@@ -27,7 +27,11 @@ pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
         "SUCCEEDED" => GOOD,
         _ => BAD,
     };
-    let mut out = format!("{}  cycle time {}\n", styled(style, head), time(summary.makespan_ns));
+    // Only programs that have come to their end have a cycle time.
+    let ran = |channel: &&Channel| !channel.program.is_empty();
+    let complete = !summary.cancelled() && summary.channels.iter().filter(ran).all(|channel| channel.state == "ENDED");
+    let label = if complete { "cycle time" } else { "stopped after" };
+    let mut out = format!("{}  {label} {}\n", styled(style, head), time(summary.makespan_ns));
     if summary.cancelled() {
         let _ = writeln!(out, "cancelled before the end: times and sync points cover only the part that was run");
     }

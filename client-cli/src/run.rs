@@ -13,6 +13,7 @@ use crate::attend::{Attendant, Next};
 use crate::client::{Asked, Client};
 use crate::codes::{self, Stage};
 use crate::error::Error;
+use crate::json_summary::with_remedies;
 use crate::outcome::{exit_code, not_run};
 use crate::output_folder::{OutputFolder, drawn_timeline};
 use crate::problems::say_errors;
@@ -92,7 +93,7 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
         target.write(client, job, (&summary, &text), arguments.quiet).await?;
     }
     if arguments.json {
-        say::verdict(&text)?;
+        say::verdict(&with_remedies(&text))?;
     } else if arguments.quiet {
         say_errors(summary, arguments.strict);
     } else {

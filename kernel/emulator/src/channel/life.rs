@@ -233,7 +233,10 @@ impl Kernel<'_> {
         } else if self.ports.emitter.count() > limits.events {
             (Limit::Events, format!("more than {} events in its log", limits.events))
         } else if self.channel.at.idle_blocks > limits.zero_time_blocks {
-            (Limit::ZeroTimeBlocks, format!("{} blocks in a row took no time", limits.zero_time_blocks))
+            (
+                Limit::ZeroTimeBlocks,
+                format!("{} blocks in a row without a move, dwell or wait", limits.zero_time_blocks),
+            )
         } else if self.channel.burden.steps > limits.macro_steps {
             (Limit::MacroSteps, format!("more than {} steps of macros", limits.macro_steps))
         } else if let Some(reason) =
