@@ -31,9 +31,6 @@ const FUNCTIONS: &[(i64, CodeId, i64)] = &[
     (43, codes::SMOOTH_SIDE_POINT, 4),
     (44, codes::SMOOTH_IN_SPACE, 1),
     (44, codes::SMOOTH_IN_PLANE, 2),
-    (13, codes::UNITS_SECONDARY_LENGTHS, 1),
-    (13, codes::UNITS_PRIMARY, 2),
-    (13, codes::UNITS_SECONDARY, 3),
     (14, codes::POSITION_ABSOLUTE, 1),
     (14, codes::POSITION_RELATIVE, 2),
     (15, codes::FEED_1T, 1),
@@ -48,6 +45,9 @@ const FRAMES: i64 = 8;
 /// Types of the feed; with a cutting speed it is G96 or G961.
 const FEEDS: i64 = 15;
 
+/// Units: G70 and G700 inches, G71 and G710 millimetres; the first of each pair converts only lengths.
+const UNITS: i64 = 13;
+
 /// Number of the active function of a group; none if it is not known.
 pub(super) fn active(host: &dyn Host, group: i64) -> Option<i64> {
     let modes = host.modes().0;
@@ -57,6 +57,11 @@ pub(super) fn active(host: &dyn Host, group: i64) -> Option<i64> {
     }
     if group == FEEDS && is_active(codes::SPINDLE_CSS) {
         return Some(if is_active(codes::FEED_UPR) { 4 } else { 7 });
+    }
+    if group == UNITS {
+        let lengths = is_active(codes::UNITS_PRIMARY) || is_active(codes::UNITS_SECONDARY_LENGTHS);
+        let first = lengths.then_some(1).or_else(|| is_active(codes::UNITS_SECONDARY).then_some(3));
+        return first.map(|first| if host.is_inch() { first } else { first + 1 });
     }
     FUNCTIONS.iter().find(|(of, code, _)| *of == group && is_active(*code)).map(|(_, _, number)| *number)
 }
@@ -69,7 +74,7 @@ const WRITTEN: &[(i64, &[&str])] = &[
     (FRAMES, &["G500", "G54", "G55", "G56", "G57"]),
     (10, &["G60", "G64"]),
     (12, &["G601", "G602", "G603"]),
-    (13, &["G70", "G71", "G700", "G710"]),
+    (UNITS, &["G70", "G71", "G700", "G710"]),
     (14, &["G90", "G91"]),
     (FEEDS, &["G93", "G94", "G95", "G96", "G97"]),
     (17, &["NORM", "KONT"]),

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use super::units::check_units;
 use crate::toml::check::Check;
 use crate::toml::merge::merge;
 use crate::toml::node::{Place, Table, Value};
@@ -47,7 +48,10 @@ pub(super) fn read(files: &dyn Files, name: &str, within: &[String], check: &Che
     if tables.last().is_some_and(|table| table.get("extends").is_some()) {
         check.set_incomplete();
     }
-    let table = tables.into_iter().rev().reduce(|parent, child| merge(heritage(parent), child, row_name))?;
+    let table = tables.into_iter().rev().reduce(|parent, child| {
+        check_units(&parent, &child, check);
+        merge(heritage(parent), child, row_name)
+    })?;
     Some(Merged { table, start, folder, chain: folders, own_signs })
 }
 

@@ -45,6 +45,7 @@ mod system_variables;
 mod tape;
 mod time;
 mod tool;
+mod units;
 mod values;
 mod variables;
 mod waits;
