@@ -108,7 +108,7 @@ pub(crate) enum Command {
     /// Step through a job that was submitted with --step; commands as for `run --step`
     Step(Follow),
     /// Wait for the end of a job
-    Wait(Follow),
+    Wait(Wait),
     /// List the jobs of a server
     #[command(after_help = JOBS_EXAMPLES)]
     Jobs(Jobs),
@@ -234,6 +234,19 @@ pub(crate) struct Submit {
     pub(crate) remote: Remote,
     #[command(flatten)]
     pub(crate) request: RequestArgs,
+    /// Print the id as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// A job whose end is awaited.
+#[derive(Debug, Args)]
+pub(crate) struct Wait {
+    #[command(flatten)]
+    pub(crate) job: Follow,
+    /// Print the status of the ended job as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]

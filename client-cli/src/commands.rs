@@ -5,11 +5,12 @@ use std::path::Path;
 use counterpoint_client::Update;
 use counterpoint_proto::v1;
 
-use crate::arguments::{Command, Follow, Format, JobArgs, ResultArgs, ResultKind, Watch};
+use crate::arguments::{Command, Follow, Format, JobArgs, ResultArgs, ResultKind, Wait, Watch};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::event_line::event_line;
+use crate::job_status::as_json;
 use crate::outcome::ended;
 use crate::output_folder::{OutputFolder, drawn_timeline};
 use crate::progress::Progress;
@@ -113,9 +114,13 @@ async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     }
 }
 
-async fn wait(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
+async fn wait(Wait { job: Follow { of: arguments, strict }, json }: Wait) -> Result<u8, Error> {
     let (client, job) = connected(&arguments).await?;
-    Ok(ended(&client.wait(&job).await?, strict))
+    let status = client.wait(&job).await?;
+    if json {
+        say::verdict(format!("{}\n", as_json(&status)).as_bytes())?;
+    }
+    Ok(ended(&status, strict))
 }
 
 /// Reports that the job had ended before the command: the server accepts it, and nothing changes.

@@ -16,3 +16,12 @@ pub(crate) fn print(findings: &[v1::Finding]) {
         say::status_line(format_args!("{place}: {word}: {}", finding.text));
     }
 }
+
+/// A finding as JSON; line and column are 0 where it has none.
+pub(crate) fn as_json(finding: &v1::Finding) -> serde_json::Value {
+    let severity = if finding.error { "error" } else { "warning" };
+    serde_json::json!({
+        "severity": severity, "file": finding.file, "line": finding.line, "column": finding.column,
+        "text": finding.text,
+    })
+}

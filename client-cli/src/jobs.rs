@@ -75,8 +75,14 @@ pub(crate) async fn rerun(arguments: Rerun) -> Result<u8, Error> {
     let v1::SubmitJobRequest { request_id, labels, priority, deadline_ms, .. } = request(&arguments.request);
     let request = v1::RerunJobRequest { job_id, request_id, labels, priority, deadline_ms };
     let status = client.jobs().rerun_job(request).await?.into_inner().status;
-    say::data(format!("{}\n", status.unwrap_or_default().job_id).as_bytes())?;
+    say_id(&status.unwrap_or_default().job_id, arguments.json)?;
     Ok(0)
+}
+
+/// Prints the id of a new job.
+pub(crate) fn say_id(job: &str, json: bool) -> Result<(), Error> {
+    let text = if json { serde_json::json!({ "job": job }).to_string() } else { job.to_owned() };
+    say::data(format!("{text}\n").as_bytes())
 }
 
 /// Lists jobs.

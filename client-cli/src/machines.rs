@@ -14,9 +14,9 @@ use crate::{findings, known, machine_diff, machine_folder, machine_view, own_mac
 
 pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
     match command {
-        Machine::Check { machine, at } => check(&machine, at.server.as_deref()).await,
+        Machine::Check { machine, json, at } => check(&machine, json, at.server.as_deref()).await,
         Machine::New { folder, from } => own_machine::create(&folder, &from),
-        Machine::List { at } => list(at.server.as_deref()).await,
+        Machine::List { json, at } => list(json, at.server.as_deref()).await,
         Machine::Delete { machine, remote } => delete(machine, &remote.server).await,
         Machine::Show { machine, part, rows: Rows { changed: true, sort, filter }, json, .. } => {
             machine_diff::changed(&machine, part, &View { sort, filter }, json)
@@ -30,7 +30,7 @@ pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
     }
 }
 
-async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
+async fn check(machine: &str, json: bool, server: Option<&str>) -> Result<u8, Error> {
     let client = Client::at(server).await?;
     let mut request = v1::CheckMachineRequest { name: machine.to_owned(), files: Vec::new() };
     if machine_folder::is_folder(machine) {
@@ -41,6 +41,12 @@ async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
         known::machine(machine, client.is_embedded())?;
     }
     let answer = client.machines().check_machine(request).await?.into_inner();
+    if json {
+        let findings = answer.findings.iter().map(findings::as_json).collect::<Vec<_>>();
+        let found = serde_json::json!({ "machine": machine, "usable": answer.usable, "findings": findings });
+        say::verdict(format!("{found}\n").as_bytes())?;
+        return Ok(if answer.usable { 0 } else { 2 });
+    }
     findings::print(&answer.findings);
     let verdict = if answer.usable { "usable" } else { "cannot be used" };
     let count = answer.findings.len();
@@ -49,9 +55,20 @@ async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
     Ok(if answer.usable { 0 } else { 2 })
 }
 
-async fn list(server: Option<&str>) -> Result<u8, Error> {
+async fn list(json: bool, server: Option<&str>) -> Result<u8, Error> {
     let client = Client::at(server).await?;
     let machines = client.machines().list_machines(v1::ListMachinesRequest::default()).await?.into_inner().machines;
+    if json {
+        let line = |m: &v1::MachineSummary| {
+            let row = serde_json::json!({
+                "machine": m.name, "revision": m.revision, "shipped": m.shipped, "channels": m.channels,
+                "description": m.description,
+            });
+            format!("{row}\n")
+        };
+        say::data(machines.iter().map(line).collect::<String>().as_bytes())?;
+        return Ok(0);
+    }
     let mut rows = vec![["machine", "revision", "channels", "description"].map(str::to_owned).to_vec()];
     rows.extend(machines.into_iter().map(|m| {
         let revision = if m.shipped { "shipped".to_owned() } else { m.revision };

@@ -127,7 +127,7 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let (request, attended) = (jobs::request(&arguments.request), arguments.inputs.operator.attend);
     let job =
         submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, lint: false }).await?;
-    say::data(format!("{job}\n").as_bytes())?;
+    jobs::say_id(&job, arguments.json)?;
     Ok(0)
 }
 

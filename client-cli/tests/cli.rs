@@ -660,8 +660,13 @@ fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     for name in ["summary.json", "report.txt", "part.lce", "part.log", "console.txt", "events.jsonl", "timeline.svg"] {
         assert!(fetched.join(name).is_file(), "{name} is missing");
     }
-    let second = done(&["submit", &part, "--machine", "fanuc-mill"]);
-    done(&["wait", &second]);
+    let json = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
+    let second =
+        json(&done(&["submit", &part, "--machine", "fanuc-mill", "--json"]))["job"].as_str().unwrap().to_owned();
+    let ended = json(&done(&["wait", &second, "--json"]));
+    assert_eq!((&ended["job"], &ended["state"]), (&second.as_str().into(), &"SUCCEEDED".into()));
+    let (status, _, talk) = call(&["watch", &second, "--json"]);
+    assert!(status == 2 && talk.contains("cannot be used with '--json'"), "{talk}");
     let again = done(&["rerun", &first, "--request-id", "again", "--label", "part=18"]);
     assert_eq!(done(&["rerun", &first, "--request-id", "again", "--label", "part=18"]), again);
     done(&["wait", &again]);
@@ -685,6 +690,14 @@ fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     std::fs::create_dir(&machine).unwrap();
     program(&machine, "machine.toml", "extends = \"fanuc-mill\"\n[ce]\nname = \"mine\"\n");
     done(&["machine", "show", &machine.display().to_string(), "axes"]);
+    let machines = done(&["machine", "list", "--json"]);
+    let shipped =
+        |name: &str| machines.lines().map(json).find(|row| row["machine"] == name).unwrap()["shipped"].clone();
+    assert_eq!((shipped("mine"), shipped("fanuc-mill")), (false.into(), true.into()));
+    program(&machine, "machine.toml", "extends = \"fanuc-mill\"\n[ce]\nname = \"mine\"\nnumbre = 1\n");
+    let (status, out, _) = call(&["machine", "check", &machine.display().to_string(), "--json"]);
+    let found = json(&out);
+    assert_eq!((status == 0, &found["findings"][0]["line"]), (found["usable"].as_bool().unwrap(), &4.into()), "{out}");
     done(&["machine", "delete", "mine"]);
     let (status, _, talk) = call(&["machine", "delete", "mine"]);
     assert!(status == 2 && talk.contains("UNKNOWN_MACHINE"), "{talk}");

@@ -72,6 +72,9 @@ pub(crate) struct Rerun {
     pub(crate) remote: Remote,
     #[command(flatten)]
     pub(crate) request: RequestArgs,
+    /// Print the id of the new job as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Which jobs.
@@ -102,7 +105,7 @@ pub(crate) struct Watch {
     #[command(flatten)]
     pub(crate) filter: JobFilter,
     /// Print JSON, one object per line, with --all
-    #[arg(long)]
+    #[arg(long, conflicts_with = "job")]
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) remote: Remote,

@@ -29,6 +29,9 @@ pub(crate) enum Machine {
     Check {
         /// Name of a machine, or a folder with machine.toml
         machine: String,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
         #[command(flatten)]
         at: At,
     },
@@ -42,6 +45,9 @@ pub(crate) enum Machine {
     },
     /// List the machines
     List {
+        /// Print JSON, one object per line
+        #[arg(long)]
+        json: bool,
         #[command(flatten)]
         at: At,
     },
