@@ -2,9 +2,9 @@
 //!
 //! Facts: programming manuals of the control (corners and approaches are computed with the next element). Decisions:
 //! blocks without motion may come between a line and its corner; after a corner the look ahead follows assignments and
-//! jumps, and ends at a call. Invariant: a look ahead leaves the parameters as they were.
+//! jumps, and ends at a call; after an approach it also follows calls. Invariant: a look ahead leaves the parameters as they were.
 
-use super::corner::goes_in_plane;
+use super::approach::goes_in_plane;
 use super::eval::Evaluator;
 use super::formula::Name;
 use super::iso_blocks::Modes;
@@ -30,13 +30,19 @@ impl Heidenhain {
     ) -> Result<Vec<Step>, Halt> {
         // The line after an arc may say where the arc ends.
         let to_contour = matches!(shape, Shape::Approach(_));
-        let approach = to_contour || matches!(shape, Shape::FreeArc { .. });
+        let is_free_arc = matches!(shape, Shape::FreeArc { .. });
         let cuts = !matches!(
             shape,
             Shape::Pole | Shape::FreePole | Shape::FreeSelect | Shape::Chamfer | Shape::Round | Shape::Depart(_)
         );
-        if !approach && !cuts {
+        if !to_contour && !is_free_arc && !cuts {
             return Ok(Vec::new());
+        }
+        if to_contour {
+            let mut run = Run { calls: Some(Vec::new()), ..Run::new(self.modes) };
+            let steps = self.steps_to_motion(host, &mut run, (next, place));
+            self.put_back(run);
+            return steps;
         }
         self.note_select(host, 0, next, place);
         let Some(first) = self.following(host, next, place) else { return Ok(Vec::new()) };
@@ -48,19 +54,20 @@ impl Heidenhain {
             _ => false,
         };
         let elements = matches!(shape, Shape::FreeLine { .. } | Shape::FreeArc { .. });
-        if !approach && !is_corner && !elements {
+        if !is_free_arc && !is_corner && !elements {
             return Ok(Vec::new());
         }
-        let mut run = Run { modes: self.modes, said: Vec::new(), before: Vec::new() };
-        let steps = if to_contour {
-            self.steps_to_motion(host, &mut run, (next, place))
-        } else {
-            self.steps_from(host, &mut run, (next, place), is_corner || elements)
-        };
+        let mut run = Run::new(self.modes);
+        let steps = self.steps_from(host, &mut run, (next, place), is_corner || elements);
+        self.put_back(run);
+        steps
+    }
+
+    /// Gives the parameters the values that they had before a look ahead.
+    fn put_back(&mut self, run: Run) {
         for (name, value) in run.before.into_iter().rev() {
             self.variables.put_back(name, value);
         }
-        steps
     }
 
     /// The path blocks up to the first one that moves in the plane.
@@ -71,7 +78,7 @@ impl Heidenhain {
         (from, place): (u32, Place),
     ) -> Result<Vec<Step>, Halt> {
         let (mut steps, mut behind) = (Vec::new(), from);
-        while behind < from.saturating_add(NEAR) {
+        for _ in 0..NEAR {
             let Some((found, after)) = self.run_to_steps(host, run, (behind, place))? else { break };
             let plane = self.path.plane;
             let arrived = found.iter().any(|step| goes_in_plane(step, plane));
@@ -175,6 +182,16 @@ impl Heidenhain {
                     line
                 }
                 Statement::Branch(..) => read.next,
+                Statement::CallLabel { label, .. } if run.calls.is_some() => {
+                    let label = self.label_of(host, label)?;
+                    let Some(line) = self.find_label(host, &label) else { return Ok(None) };
+                    run.calls.get_or_insert_default().push(read.next);
+                    line
+                }
+                Statement::EndOfLabel => {
+                    let Some(line) = run.calls.as_mut().and_then(Vec::pop) else { return Ok(None) };
+                    line
+                }
                 Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if is_still(words) => {
                     // Its modes apply to the following blocks.
                     if self.is_translated(host) {
@@ -231,6 +248,14 @@ struct Run {
     said: Vec<Seen>,
     /// Parameters changed by assignments in between, with their previous values.
     before: Vec<(Name, Option<Value>)>,
+    /// Lines after the calls that it is in; none if it ends at a call.
+    calls: Option<Vec<u32>>,
+}
+
+impl Run {
+    fn new(modes: Modes) -> Self {
+        Self { modes, said: Vec::new(), before: Vec::new(), calls: None }
+    }
 }
 
 /// Number of a G word.

@@ -6,6 +6,7 @@
 //! compiled once for each line that is unchanged since it was read; calls are those of the kernel, in the same order.
 
 mod ahead;
+mod approach;
 mod areas;
 mod auxiliary;
 mod calls;
