@@ -1,7 +1,8 @@
 //! Limits of travel and of the working area: checks the ends of moves, and the extent of circles between their ends.
 //!
-//! *Invariant:* a block is reported once; a straight move is within the limits where both its ends are. Circles in the
-//! face plane of polar interpolation are checked at their ends only, those on a cylinder along its axis too.
+//! *Invariant:* a block is reported once; a straight move is within the limits where both its ends are, except under
+//! tool tip control, where places along it are checked. Circles in the face plane of polar interpolation are checked at
+//! their ends only, those on a cylinder along its axis too.
 
 use counterpoint_event::event::{Motion, MotionKind, Position};
 use counterpoint_fault as diag;
@@ -16,6 +17,9 @@ use crate::state::position::FIRST_AXES;
 /// An axis beyond its limits, where it is, and the limits.
 type Over = (AxisId, f64, [f64; 2]);
 
+/// A circle in a plane: its axes, the circle in radius values, and the factors to those.
+type Round = ([AxisSlot; 2], arc::Arc, [f64; 2]);
+
 /// Which limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Limits {
@@ -27,6 +31,27 @@ enum Limits {
 
 /// Distance beyond the limits that counts as rounding.
 const NOISE: f64 = 1e-9;
+
+/// Places of a move under tool tip control that are looked at, for each degree of its rotary axes: 1 m from the centre
+/// of rotation the axes get at most 0.01 mm further between two places.
+const PLACES_PER_DEGREE: f64 = 2.0;
+/// Fewest and most places of a move.
+const MIN_PLACES: f64 = 16.0;
+const MAX_PLACES: f64 = 20_000.0;
+
+/// The place of a move, straight or on its circle, after this share of it.
+fn place_along(motion: &Motion, round: &Option<Round>, share: f64) -> Position {
+    let mut place = motion.from;
+    for (slot, end) in place.iter_mut().zip(&motion.to) {
+        *slot += (end - *slot) * share;
+    }
+    if let Some((axes, arc, scales)) = round {
+        let angle = arc.start_angle + arc.sweep * share;
+        *place.at_mut(axes[0]) = (arc.center[0] + arc.radius * libm::cos(angle)) / scales[0];
+        *place.at_mut(axes[1]) = (arc.center[1] + arc.radius * libm::sin(angle)) / scales[1];
+    }
+    place
+}
 
 impl Kernel<'_> {
     /// Reports a motion beyond the limits.
@@ -109,11 +134,30 @@ impl Kernel<'_> {
     }
 
     fn leads_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
-        self.beyond(&motion.to, NOISE, limits).or_else(|| match motion.kind {
+        let over = self.beyond(&motion.to, NOISE, limits).or_else(|| match motion.kind {
             MotionKind::ArcCw | MotionKind::ArcCcw => self.swings_beyond(motion, limits),
             MotionKind::ArcSpace => self.swings_beyond_in_space(motion, limits),
             MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => None,
-        })
+        });
+        if over.is_none() && self.channel.tip().is_some() { self.follows_beyond(motion, limits) } else { over }
+    }
+
+    /// The linear axes follow the rotary ones under tool tip control: looks at places along the move.
+    #[cold]
+    fn follows_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
+        let chain = &self.channel.tip()?.chain;
+        let joints = chain.tables.iter().chain(&chain.heads).map(|joint| joint.axis);
+        let turned: f64 = joints.map(|axis| (motion.to.at(axis) - motion.from.at(axis)).abs()).sum();
+        if turned == 0.0 {
+            return None;
+        }
+        let round = match motion.kind {
+            MotionKind::ArcCw | MotionKind::ArcCcw => self.round(motion),
+            _ => None,
+        };
+        let places = (turned * PLACES_PER_DEGREE).clamp(MIN_PLACES, MAX_PLACES).ceil();
+        (1..places as u32)
+            .find_map(|at| self.beyond(&place_along(motion, &round, f64::from(at) / places), NOISE, limits))
     }
 
     /// Reports a motion that breaks the limit that the program has set.
@@ -129,16 +173,7 @@ impl Kernel<'_> {
             _ => None,
         };
         let broken = match round {
-            Some((axes, arc, scales)) => area.breaks_round(|share| {
-                let mut place = motion.from;
-                for (slot, end) in place.iter_mut().zip(&motion.to) {
-                    *slot += (end - *slot) * share;
-                }
-                let angle = arc.start_angle + arc.sweep * share;
-                *place.at_mut(axes[0]) = (arc.center[0] + arc.radius * libm::cos(angle)) / scales[0];
-                *place.at_mut(axes[1]) = (arc.center[1] + arc.radius * libm::sin(angle)) / scales[1];
-                at(&place)
-            }),
+            Some(_) => area.breaks_round(|share| at(&place_along(motion, &round, share))),
             None => area.breaks(&at(&motion.from), &at(&motion.to)),
         };
         let Some(role) = broken else { return };
@@ -149,7 +184,7 @@ impl Kernel<'_> {
     }
 
     /// A circle in a plane: its axes, the circle in radius values, and the factors to those.
-    fn round(&self, motion: &Motion) -> Option<([AxisSlot; 2], arc::Arc, [f64; 2])> {
+    fn round(&self, motion: &Motion) -> Option<Round> {
         let layout = &self.channel.state.place.layout;
         let [first, second] = motion.plane_axes.map(|axis| layout.axes.id(usize::from(axis)));
         let axes = [first?, second?];
