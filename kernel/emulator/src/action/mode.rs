@@ -76,6 +76,9 @@ pub(super) fn function(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode)
     act.take(data::FUNCTION);
     if row.seconds <= 0.0 {
         let (letter, value) = act.written(row, code);
+        if letter == 'M' {
+            act.reports.swallowed.note(value);
+        }
         act.emit(0, Kind::Function(Function { letter, value }));
     }
     Ok(())

@@ -91,8 +91,8 @@ fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
     (act.remembered_lead(), sides)
 }
 
-/// The pitch along X, Y or Z: of several pitches that of the longest travel, of equal ones the last. The pitch of an
-/// axis that does not move counts along the longest travel of all axes.
+/// The pitch along X, Y or Z: of several pitches that of the longest travel, of equal ones the last. There is none if
+/// no axis with a pitch moves.
 fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
     let changes = act.changes(&act.state.place.position, target);
     let axes = &act.state.place.layout.cartesian;
@@ -101,8 +101,8 @@ fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Op
         let Some(pitch) = pitch else { continue };
         let axis = axes.get(role).copied().flatten();
         let way = axis.map_or(0.0, |axis| changes.at(axis).abs());
-        if way >= longest.2 {
-            longest = (Some(pitch.abs()), axis.filter(|_| way > 0.0), way);
+        if way > 0.0 && way >= longest.2 {
+            longest = (Some(pitch.abs()), axis, way);
         }
     }
     (longest.0, longest.1)
