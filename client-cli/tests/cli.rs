@@ -443,6 +443,20 @@ fn a_table_of_tools_counts_for_one_run() {
 }
 
 #[test]
+fn a_stopped_spindle_is_named_with_the_channel_that_stopped_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let upper = program(folder.path(), "upper.nc", "G21 G0 X50 Z5\nG97 S500 M3\nM101 P12\nM5\nG4 X1\nM102 P12\nM30\n");
+    let lower = program(folder.path(), "lower.nc", "G21 G0 X50 Z5\nM101 P12\nG4 X0.5\nG1 Z-20 F0.2\nM102 P12\nM30\n");
+    let output = counterpoint(&["run", &upper, &lower, "--machine", "fanuc-2path-lathe"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("lower.nc:4: spindle 1 (MAIN) is stopped by channel 1 at 1."), "{text}");
+    let alone = program(folder.path(), "alone.nc", "G21 G0 X50 Z5\nG99 G1 Z-20 F0.2\nM30\n");
+    let output = counterpoint(&["run", &alone, "--machine", "fanuc-lathe"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("alone.nc:2: spindle 1 (MAIN) is stopped in 'G99"), "{text}");
+}
+
+#[test]
 fn a_length_that_the_table_of_tools_does_not_have_is_reported_once() {
     let folder = tempfile::tempdir().unwrap();
     let mill = "G21 G90 G54\nT1 M6\nS500 M3\nG43 H1 Z50.\nG43 H7 Z40.\nG43 H7 Z30.\nG49\nM30\n";

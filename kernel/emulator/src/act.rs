@@ -143,6 +143,11 @@ impl Act<'_, '_> {
         self.kernel.written(row, *code)
     }
 
+    /// The spindle of the channel, which is stopped, for messages.
+    pub(crate) fn stopped_spindle(&self) -> String {
+        self.kernel.stopped_spindle()
+    }
+
     /// Text of the block, for messages: at most 60 characters.
     pub(crate) fn block_text(&self) -> String {
         self.kernel.block_text()

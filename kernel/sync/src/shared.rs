@@ -155,11 +155,17 @@ impl SpeedChanges {
         self.count += 1;
     }
 
-    /// The first known change by another channel after the first `known` changes and before a time.
-    pub fn of_others(&self, channel: u16, known: u64, before: i64) -> Option<i64> {
+    /// The first known change by another channel after the first `known` changes and before a time: when, and by which.
+    pub fn of_others(&self, channel: u16, known: u64, before: i64) -> Option<(i64, u16)> {
         let first = known.max(self.count.saturating_sub(Self::KEPT as u64));
         let mut later = (first..self.count).filter_map(|at| self.last.get(at as usize % Self::KEPT));
-        later.find(|(t, by)| *by != channel && *t < before).map(|(t, _)| *t)
+        later.find(|(t, by)| *by != channel && *t < before).copied()
+    }
+
+    /// The last change: when, and by which channel.
+    pub fn newest(&self) -> Option<(i64, u16)> {
+        let last = self.count.checked_sub(1)?;
+        self.last.get(last as usize % Self::KEPT).copied()
     }
 }
 

@@ -70,7 +70,7 @@ fn turns(act: &mut Act<'_, '_>, revolutions: f64) -> Acted {
         Some(Turning::Driven(driven, elapsed)) => driven.minutes_of(elapsed, revolutions),
         Some(turning) => revolutions / turning.rpm(act.radius(&act.state.place.position)),
         None => {
-            let text = format!("dwell in revolutions while the spindle is stopped in '{}'", act.block_text());
+            let text = format!("{} in the dwell in revolutions '{}'", act.stopped_spindle(), act.block_text());
             act.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(());
         }

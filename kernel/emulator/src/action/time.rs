@@ -157,7 +157,8 @@ impl Act<'_, '_> {
     fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
         let Some(speed) = self.speed_of_cut()? else {
             let text = format!(
-                "feed per revolution while the spindle is stopped in '{}', the move is timed as rapid",
+                "{} in '{}' with feed per revolution, the move is timed as rapid",
+                self.stopped_spindle(),
                 self.block_text()
             );
             self.diagnose(&diag::SPINDLE_STANDS, text);

@@ -160,14 +160,25 @@ impl Kernel<'_> {
         Some((assumed.changes, assumed.time[1].min(now)))
     }
 
+    /// `spindle 1 (MAIN) is stopped`, with the other channel if that stopped it.
+    pub(crate) fn stopped_spindle(&self) -> String {
+        let state = &self.channel.state.spindle;
+        let Some(id) = state.id else { return "channel without a spindle".to_owned() };
+        let spindle = &self.channel.env.machine.spindles[id];
+        let by = state.changed.filter(|(_, channel)| state.shared && *channel != self.channel.at.channel);
+        let by =
+            by.map_or_else(String::new, |(t, channel)| format!(" by channel {channel} at {:.3} s", t as f64 / 1e9));
+        format!("spindle {} ({}) is stopped{by}", spindle.number, spindle.name)
+    }
+
     /// Closes the last time that was computed with a speed; `change` is the time at which another channel changed the
-    /// speed before its end.
-    pub(super) fn end_assumption(&mut self, change: Option<i64>) {
+    /// speed before its end, and that channel.
+    pub(super) fn end_assumption(&mut self, change: Option<(i64, u16)>) {
         let assumed = self.channel.state.spindle.assumed.take();
-        let (Some(assumed), Some(at)) = (assumed, change) else { return };
+        let (Some(assumed), Some((at, channel))) = (assumed, change) else { return };
         self.channel.reports.plausible.changed_speed = true;
         let text = format!(
-            "line {} turns by a spindle whose speed another channel changes at {:.3} s; the line is timed until {:.3} s \
+            "line {} turns by a spindle whose speed channel {channel} changes at {:.3} s; the line is timed until {:.3} s \
              without that change, so times after it are not those of the machine",
             assumed.line,
             at as f64 / 1e9,

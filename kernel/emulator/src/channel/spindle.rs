@@ -128,11 +128,13 @@ impl Kernel<'_> {
             let known = self.access(Door::Spindle, Mode::Read, |shared| {
                 let spindle = shared.spindles.get(id.index())?;
                 let change = ended.and_then(|(known, end)| spindle.changes.of_others(channel, known, end));
-                Some((spindle.command, spindle.now, spindle.course, spindle.changes.count, change))
+                let changes = (spindle.changes.count, spindle.changes.newest());
+                Some((spindle.command, spindle.now, spindle.course, changes, change))
             })?;
-            let (command, now, course, changes, change) = known.unwrap_or_default();
+            let (command, now, course, (changes, changed), change) = known.unwrap_or_default();
             let state = &mut self.channel.state.spindle;
-            (state.command, state.now, state.course, state.changes) = (command, now, course, changes);
+            (state.command, state.now, state.course) = (command, now, course);
+            (state.changes, state.changed) = (changes, changed);
             if ended.is_some() {
                 self.end_assumption(change);
             }

@@ -28,6 +28,8 @@ pub(crate) struct SpindleState {
     pub(crate) course: Option<Course>,
     /// Number of known speed changes.
     pub(crate) changes: u64,
+    /// The last of them: when, and by which channel.
+    pub(crate) changed: Option<(i64, u16)>,
     /// The last time that was computed with the speed known then.
     pub(crate) assumed: Option<AssumedSpeed>,
 }

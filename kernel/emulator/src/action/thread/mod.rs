@@ -216,7 +216,7 @@ impl Act<'_, '_> {
         }
         let Some(turning) = self.speed_of_cut()? else {
             let text =
-                format!("thread while the spindle is stopped in '{}', the move is timed as rapid", self.block_text());
+                format!("{} in the thread '{}', the move is timed as rapid", self.stopped_spindle(), self.block_text());
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(self.rapid_seconds(&from, target));
         };
