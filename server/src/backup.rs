@@ -70,8 +70,8 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
     checkup.remove(&gone)?;
     let left_out = gone.len();
     let rows = checkup.rows()?;
-    let needed = rows.blobs();
-    for (tenant, digest) in &needed {
+    let needed = &rows.blobs;
+    for (tenant, digest) in needed {
         let new = target.blob(tenant, digest);
         let Ok(place) = new.strip_prefix(to) else { continue };
         let old = from.join(place);

@@ -173,7 +173,7 @@ impl Doctor {
         for tenant in self.store.tenants()? {
             self.blobs_of(&tenant, &mut damaged)?;
         }
-        for (tenant, digest) in rows.blobs() {
+        for (tenant, digest) in &rows.blobs {
             let known = damaged.contains(&(tenant.to_owned(), digest.to_owned()));
             if !known && !self.blobs.of(tenant).has(digest) {
                 let path = self.store.blob(tenant, digest);

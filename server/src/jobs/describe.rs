@@ -5,7 +5,7 @@ use counterpoint_kernel::log::info::{Info, Unit};
 use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 
-use crate::ledger::record::{CONTENT, Cause, Priority, Reached, Reason, Record, State};
+use crate::ledger::record::{CONTENT, Cause, Priority, Reached, Reason, Record, State, Work};
 
 /// The description that is at the head of a log and of a watch.
 pub(crate) fn description(info: &Info) -> v1::JobDescription {
@@ -122,7 +122,7 @@ fn limit(reached: Option<Reached>) -> v1::JobLimit {
 }
 
 /// The options of a job as they were submitted.
-pub(crate) fn options(record: &Record) -> v1::JobOptions {
+pub(crate) fn options(record: &Record, work: &Work) -> v1::JobOptions {
     let Options {
         opskip,
         opstop,
@@ -139,7 +139,7 @@ pub(crate) fn options(record: &Record) -> v1::JobOptions {
         warnings_on,
         time,
         limits,
-    } = record.options.clone();
+    } = work.options.clone();
     // Early rows have the limits that count instead of those that were requested.
     let early = || Some(limits).filter(|_| !record.content.starts_with(CONTENT));
     let limits = record.asked.limits.clone().or_else(early);

@@ -21,8 +21,8 @@ pub(crate) struct Sandbox {
 }
 
 impl Sandbox {
-    pub(crate) fn new(blobs: Arc<dyn Blobs>, files: &[(String, String)]) -> Self {
-        Self { blobs, files: files.iter().cloned().collect(), trouble: OnceLock::new() }
+    pub(crate) fn new(blobs: Arc<dyn Blobs>, files: Vec<(String, String)>) -> Self {
+        Self { blobs, files: files.into_iter().collect(), trouble: OnceLock::new() }
     }
 
     /// Why a file of the job could not be read, if one could not.

@@ -11,7 +11,6 @@ use super::feed::Removed;
 use crate::ledger::prefix::IdPrefix;
 use crate::ledger::record::{Record, State};
 use crate::ledger::{Query, time_of};
-use crate::machines::Definition;
 use crate::reason::Refusal;
 
 /// Conditions on jobs.
@@ -41,14 +40,6 @@ fn state(field: String, number: i32) -> Result<State, Refusal> {
 /// States from the wire.
 pub(crate) fn states(field: &str, numbers: &[i32]) -> Result<BTreeSet<State>, Refusal> {
     numbers.iter().enumerate().map(|(at, number)| state(format!("{field}[{at}]"), *number)).collect()
-}
-
-/// Name of a machine with the revision that a job keeps; the name alone of a shipped one.
-pub(crate) fn pinned(machine: &Definition) -> String {
-    match machine.revision().as_str() {
-        "" => machine.name.clone(),
-        revision => format!("{}@{revision}", machine.name),
-    }
 }
 
 impl Filter {
@@ -96,7 +87,7 @@ impl Filter {
     pub(crate) fn takes(&self, record: &Record) -> bool {
         let accepted_ms = Uuid::try_parse(&record.id).map_or(record.submitted_ms, time_of);
         (self.states.is_empty() || self.states.contains(&record.state))
-            && self.found_by(&pinned(&record.machine), &record.asked.labels)
+            && self.found_by(&record.machine.full_name(), &record.asked.labels)
             && self.prefix.begins(&record.id)
             && accepted_ms >= self.from_ms
             && (self.until_ms == 0 || accepted_ms < self.until_ms)

@@ -111,9 +111,9 @@ impl Live {
         self.tail.get_or_init(|| Arc::new(Tail::new()))
     }
 
-    /// Desk where its dialogs wait, with the answers given in earlier runs.
+    /// Desk where its dialogs wait.
     pub(crate) fn desk(&self) -> &Arc<Desk> {
-        self.desk.get_or_init(|| Arc::new(Desk::new(&lock(&self.record).answers)))
+        self.desk.get_or_init(|| Arc::new(Desk::new()))
     }
 
     /// The console of the job.
@@ -158,7 +158,7 @@ impl Live {
     /// A request that was to end the last run does not end the next one.
     pub(super) fn renew(&self) {
         *lock(&self.stop) = Stop::default();
-        self.desk().begin_again(&self.record().answers);
+        self.desk().begin_again();
         if let Some(stepping) = self.stepping.get() {
             stepping.begin_again();
         }

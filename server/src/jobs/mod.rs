@@ -34,7 +34,7 @@ use crate::blobs::Blobs;
 use crate::connections::Connections;
 use crate::drain::Drain;
 use crate::host::Host;
-use crate::ledger::record::{Record, State, now_ms};
+use crate::ledger::record::{Record, State, Work, now_ms};
 use crate::ledger::{Ledger, Submitted, recovered};
 use crate::log::Logs;
 use crate::log::kept::Kept;
@@ -198,9 +198,13 @@ impl Core {
     }
 
     /// Accepts a job; the answer says whether it was known.
-    pub(crate) async fn submit(self: &Arc<Self>, record: Record) -> Result<(Record, bool), Refusal> {
+    pub(crate) async fn submit(self: &Arc<Self>, record: Record, work: Work) -> Result<(Record, bool), Refusal> {
         if let Some(known) = self.ledger.by_request(&record.tenant, &record.request_id)? {
-            return if known.asks_the_same(&record) {
+            let same = match known.asks_the_same(&record) {
+                Some(same) => same,
+                None => known.asks_the_same_work(&self.work(&known.id)?, &record, &work),
+            };
+            return if same {
                 self.answered(&known)?;
                 Ok((self.current(known), true))
             } else {
@@ -218,12 +222,12 @@ impl Core {
                 core.admit(Arc::new(Live::new(record.clone())));
             }
         };
-        let blobs = self.blobs.clone();
-        let check = move |record: &Record| {
-            blobs.of(&record.tenant).require(&mut record.files.iter().map(|(_, digest)| digest))?;
-            blobs.of(&record.machine.tenant).require(&mut record.machine.files.values())
+        let (blobs, tenant) = (self.blobs.clone(), record.tenant.clone());
+        let check = move |work: &Work| {
+            blobs.of(&tenant).require(&mut work.files.iter().map(|(_, digest)| digest))?;
+            blobs.of(&work.machine.tenant).require(&mut work.machine.files.values())
         };
-        let submitted = self.ledger.submit(record, Box::new(check), Box::new(accepted)).await?;
+        let submitted = self.ledger.submit(record, work, Box::new(check), Box::new(accepted)).await?;
         match submitted {
             Submitted::Known(known) => {
                 self.answered(&known)?;
@@ -301,6 +305,13 @@ impl Core {
         self.ledger.job(id)?.ok_or_else(|| Refusal::UnknownJob(id.to_owned()))
     }
 
+    /// The work of a job.
+    pub(crate) fn work(&self, id: &str) -> Result<Work, Refusal> {
+        self.ledger.work(id)?.ok_or_else(|| {
+            Refusal::DataLoss(format!("the request of job '{id}' is gone from the ledger; submit the job again"))
+        })
+    }
+
     /// A job of a tenant; those of others are not there for it.
     pub(crate) fn job_of(&self, tenant: &str, id: &str) -> Result<Record, Refusal> {
         let record = self.job(id)?;
@@ -356,7 +367,7 @@ impl Core {
     fn forget(&self, id: &str, record: Option<&Record>) -> Result<(), Refusal> {
         self.board.live.remove(id);
         if let Some(record) = record {
-            let removed = Removed { machine: filter::pinned(&record.machine), labels: record.asked.labels.clone() };
+            let removed = Removed { machine: record.machine.full_name(), labels: record.asked.labels.clone() };
             self.board.feed.removed(&record.tenant, id, removed);
         }
         Ok(self.logs.remove(id)?)

@@ -26,7 +26,7 @@ pub(crate) struct Desk {
     changes: watch::Sender<u64>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Inner {
     /// Answers of runs before, by channel.
     recorded: HashMap<u16, VecDeque<Option<Answer>>>,
@@ -48,25 +48,26 @@ struct Open {
 }
 
 impl Desk {
-    /// Creates a desk with the earlier answers.
-    pub(crate) fn new(recorded: &[(u16, Option<Answer>)]) -> Self {
-        let mut by_channel: HashMap<u16, VecDeque<Option<Answer>>> = HashMap::new();
-        for (channel, answer) in recorded {
-            by_channel.entry(*channel).or_default().push_back(answer.clone());
-        }
-        let inner =
-            Inner { recorded: by_channel, open: BTreeMap::new(), last_id: 0, patience: Duration::ZERO, closed: false };
-        Self { inner: Mutex::new(inner), answered: Condvar::new(), changes: watch::Sender::new(0) }
+    /// Creates an empty desk.
+    pub(crate) fn new() -> Self {
+        Self { inner: Mutex::default(), answered: Condvar::new(), changes: watch::Sender::new(0) }
     }
 
-    /// The job is run again from its start.
-    pub(crate) fn begin_again(&self, recorded: &[(u16, Option<Answer>)]) {
-        let again = Self::new(recorded);
-        let again = again.inner.into_inner().unwrap_or_else(PoisonError::into_inner);
+    /// The job will be run again from its start.
+    pub(crate) fn begin_again(&self) {
         let mut inner = lock(&self.inner);
-        *inner = Inner { last_id: inner.last_id, ..again };
+        *inner = Inner { last_id: inner.last_id, ..Inner::default() };
         drop(inner);
         self.tell();
+    }
+
+    /// Sets the answers that earlier runs have received, for the run that begins now.
+    pub(crate) fn record(&self, answers: Vec<(u16, Option<Answer>)>) {
+        let mut inner = lock(&self.inner);
+        inner.recorded.clear();
+        for (channel, answer) in answers {
+            inner.recorded.entry(channel).or_default().push_back(answer);
+        }
     }
 
     /// How long a question waits.
@@ -242,7 +243,7 @@ mod tests {
 
     #[test]
     fn the_first_answer_counts() {
-        let desk = Arc::new(Desk::new(&[]));
+        let desk = Arc::new(Desk::new());
         desk.set_patience(Duration::from_secs(60));
         let changes = desk.follow();
         let kernel = std::thread::spawn({
@@ -265,7 +266,8 @@ mod tests {
 
     #[test]
     fn what_was_answered_before_is_answered_again() {
-        let desk = Desk::new(&[(1, Some(answer("A"))), (2, None), (1, Some(answer("B")))]);
+        let desk = Desk::new();
+        desk.record(vec![(1, Some(answer("A"))), (2, None), (1, Some(answer("B")))]);
         assert_eq!(ask(&desk, 1), Some(answer("A")));
         assert_eq!(ask(&desk, 2), None);
         assert_eq!(ask(&desk, 1), Some(answer("B")));
@@ -274,7 +276,7 @@ mod tests {
 
     #[test]
     fn nobody_waits_for_ever() {
-        let desk = Desk::new(&[]);
+        let desk = Desk::new();
         assert_eq!(ask(&desk, 1), None, "no patience at all");
         desk.set_patience(Duration::from_secs(3600));
         desk.close();

@@ -29,9 +29,10 @@ use super::live::{Live, Run, Stopped};
 use super::sink::JobSink;
 use super::system::Shell;
 use crate::cpu;
-use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
+use crate::ledger::record::{Cause, Reached, Record, State, Work, now_ms};
 use crate::log::Logs;
 use crate::log::writer::{Ended, Small, Writer};
+use crate::machines::Definition;
 use crate::pace::Pace;
 use crate::reason::Refusal;
 use crate::results::{Document, Finished};
@@ -195,6 +196,7 @@ enum Ran {
 }
 
 fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
+    let work = core.work(&live.id)?;
     // A run that takes the server down has left its mark.
     core.host.mark(&live.id, live.record().runs.attempt + 1)?;
     let record = live.change(|record| {
@@ -214,10 +216,11 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     if live.cancelled() || live.reached().is_some() {
         stop.ask();
     }
-    let files = Sandbox::new(core.blobs.of(&record.tenant), &record.files);
-    let threads = core.threads(record.options.threads);
-    let options = Options { threads, ..record.options.clone() };
-    let prepared = prepare_with(core, &record, options, &files, &stop)?;
+    let Work { machine, files, options, answers } = work;
+    let files = Sandbox::new(core.blobs.of(&record.tenant), files);
+    let options = Options { threads: core.threads(options.threads), ..options };
+    let trusted = machine.trusted;
+    let prepared = prepare_with(core, &record, &machine, options, &files, &stop)?;
     files.trouble()?;
     let prepared = match prepared {
         Ok(prepared) => prepared,
@@ -228,15 +231,16 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     };
     let info = prepared.info().clone();
     let mut control = Control::new(info.channels.len()).with_stop(stop).with_cpu_clock(cpu::of_this_thread);
-    if record.options.attended {
+    if record.attended {
+        live.desk().record(answers);
         live.desk().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
         control = control.with_operator(live.desk().clone());
     }
-    if record.options.stepped {
+    if record.stepped {
         live.stepping().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
         control = control.with_console(live.stepping().clone());
     }
-    if core.options.system.allow_system && record.machine.trusted {
+    if core.options.system.allow_system && trusted {
         let shell = Shell::new(core.host.scratch(), core.options.system.system_wait_s);
         control = control.with_system(Arc::new(shell));
     }
@@ -329,20 +333,22 @@ type Unusable = (Cause, Vec<Finding>);
 pub(crate) fn prepare(
     core: &Core,
     record: &Record,
+    work: Work,
     files: &Sandbox,
     stop: &Stop,
 ) -> Result<Result<Box<dyn Prepared>, Unusable>, Refusal> {
-    prepare_with(core, record, record.options.clone(), files, stop)
+    prepare_with(core, record, &work.machine, work.options, files, stop)
 }
 
 fn prepare_with(
     core: &Core,
     record: &Record,
+    machine: &Definition,
     options: Options,
     files: &Sandbox,
     stop: &Stop,
 ) -> Result<Result<Box<dyn Prepared>, Unusable>, Refusal> {
-    let checked = core.machines.load(&record.machine)?;
+    let checked = core.machines.load(machine)?;
     let Some(machine) = checked.machine else { return Ok(Err((Cause::Machine, checked.findings))) };
     let task = Task { machine, programs: record.programs.clone(), options };
     Ok(core.runner.prepare(task, files, stop).map_err(|findings| (Cause::Program, findings)))

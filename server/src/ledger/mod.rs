@@ -18,7 +18,7 @@ use uuid::Uuid;
 use crate::machines::Definition;
 use crate::reason::Refusal;
 use prefix::IdPrefix;
-use record::{Record, State};
+use record::{Record, State, Work};
 
 /// Asked before something is stored, while no blob can be collected.
 pub(crate) type Check<T> = Box<dyn FnOnce(&T) -> Result<(), Refusal> + Send>;
@@ -160,7 +160,13 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     fn writable(&self) -> watch::Receiver<bool>;
 
     /// Accepts a job and gives it its identity, or finds the one accepted under the same request id.
-    async fn submit(&self, record: Record, check: Check<Record>, accepted: Accepted) -> Result<Submitted, Refusal>;
+    async fn submit(
+        &self,
+        record: Record,
+        work: Work,
+        check: Check<Work>,
+        accepted: Accepted,
+    ) -> Result<Submitted, Refusal>;
 
     /// Stores a new state of a job.
     async fn update(&self, record: Record) -> Result<(), Refusal>;
@@ -195,6 +201,9 @@ pub(crate) trait Ledger: Send + Sync + Debug {
 
     /// One job.
     fn job(&self, id: &str) -> Result<Option<Record>, Refusal>;
+
+    /// The work of a job.
+    fn work(&self, id: &str) -> Result<Option<Work>, Refusal>;
 
     /// Whether there is a row of a job, readable or not.
     fn knows(&self, id: &str) -> Result<bool, Refusal>;

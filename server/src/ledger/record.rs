@@ -1,6 +1,7 @@
-//! A job as the ledger keeps it.
+//! A job as the ledger keeps it: its [`Record`], which a status needs and which stays in memory while the job has not
+//! ended, and its [`Work`], which only a run needs.
 //!
-//! Invariant: states only go forward (QUEUED → RUNNING → one of the three ends), except for a run that died or was
+//! Invariants: the memory that a job takes while it waits does not depend on its `Work`; states only go forward (QUEUED → RUNNING → one of the three ends), except for a run that died or was
 //! interrupted by a shutdown: RUNNING → QUEUED.
 
 use std::collections::BTreeMap;
@@ -12,7 +13,7 @@ use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::options::{Limits, Options};
 use serde::{Deserialize, Serialize};
 
-use crate::machines::Definition;
+use crate::machines::{Definition, Pinned};
 use crate::tenant;
 
 /// State of a job.
@@ -217,7 +218,22 @@ pub struct Asked {
 /// server.
 pub(crate) const CONTENT: &str = "2:";
 
-/// A job.
+/// The part of a job that only a run needs. It may be large.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Work {
+    /// The machine with the digests of its files.
+    pub(crate) machine: Definition,
+    /// Path and digest of every file.
+    pub(crate) files: Vec<(String, String)>,
+    /// Options, with the limits that count.
+    #[serde(default)]
+    pub(crate) options: Options,
+    /// Answers of the operator so far, by channel in the order of the questions; used again when the job is run again.
+    #[serde(default)]
+    pub(crate) answers: Vec<(u16, Option<Answer>)>,
+}
+
+/// A job without its [`Work`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Identity, ascending in order of submission.
@@ -233,20 +249,18 @@ pub struct Record {
     /// Machine as the client named it.
     pub machine_name: String,
     /// The machine, pinned.
-    pub machine: Definition,
+    pub machine: Pinned,
     /// Programs, left to right.
     pub programs: Vec<Program>,
-    /// Path and digest of every file.
-    pub files: Vec<(String, String)>,
-    /// Options, with the limits that count.
-    #[serde(default)]
-    pub options: Options,
+    /// Its options say that an operator answers its dialogs.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub attended: bool,
+    /// Its options say that an operator steps through it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub stepped: bool,
     /// Further requests.
     #[serde(flatten)]
     pub asked: Asked,
-    /// Answers of the operator so far, by channel in the order of the questions; used again when the job is run again.
-    #[serde(default)]
-    pub answers: Vec<(u16, Option<Answer>)>,
     /// State.
     pub state: State,
     /// Its runs.
@@ -288,20 +302,19 @@ pub struct Record {
 }
 
 impl Record {
-    /// A job of this machine that has not run, without a name or programs.
-    pub(crate) fn queued(machine: Definition) -> Self {
+    /// A job with this work that has not run, without a name or programs.
+    pub(crate) fn queued(work: &Work) -> Self {
         Self {
             id: String::new(),
             tenant: tenant::default(),
             request_id: String::new(),
             content: String::new(),
             machine_name: String::new(),
-            machine,
+            machine: Pinned::from(&work.machine),
             programs: Vec::new(),
-            files: Vec::new(),
-            options: Options::default(),
+            attended: work.options.attended,
+            stepped: work.options.stepped,
             asked: Asked::default(),
-            answers: Vec::new(),
             state: State::Queued,
             runs: Runs::default(),
             cancel: false,
@@ -326,22 +339,23 @@ impl Record {
             State::Failed => self.runs.cause != Some(Cause::Program),
             State::Succeeded => false,
         };
-        !stopped && !self.options.stepped
+        !stopped && !self.stepped
     }
 
-    /// Whether another record asks for the same.
-    pub(crate) fn asks_the_same(&self, other: &Self) -> bool {
-        if self.content.starts_with(CONTENT) {
-            return self.content == other.content;
-        }
-        // The content of an early row covers limits that the server filled in: only fields that the client certainly
-        // sent are compared.
-        let sent = |record: &Self| Options { limits: Limits::default(), ..record.options.clone() };
+    /// Whether another job asks for the same; `None` if that depends on the work of both.
+    pub(crate) fn asks_the_same(&self, other: &Self) -> Option<bool> {
+        self.content.starts_with(CONTENT).then(|| self.content == other.content)
+    }
+
+    /// Same with the work of both. The content of an early row covers limits that the server filled in: only fields
+    /// that the client certainly sent are compared.
+    pub(crate) fn asks_the_same_work(&self, work: &Work, other: &Self, other_work: &Work) -> bool {
+        let sent = |work: &Work| Options { limits: Limits::default(), ..work.options.clone() };
         self.machine_name == other.machine_name
             && self.programs == other.programs
-            && self.files == other.files
+            && work.files == other_work.files
             && other.asked == Asked { limits: other.asked.limits.clone(), ..Asked::default() }
-            && sent(self) == sent(other)
+            && sent(work) == sent(other_work)
     }
 }
 
@@ -355,8 +369,14 @@ pub(crate) fn now_ms() -> i64 {
 pub(crate) mod tests {
     use super::*;
 
+    /// Work on a shipped machine.
+    pub(crate) fn work() -> Work {
+        let machine = Definition::shipped("fanuc-mill");
+        Work { machine, files: Vec::new(), options: Options::default(), answers: Vec::new() }
+    }
+
     /// A queued job.
     pub(crate) fn record(id: &str) -> Record {
-        Record { id: id.to_owned(), request_id: id.to_owned(), ..Record::queued(Definition::shipped("fanuc-mill")) }
+        Record { id: id.to_owned(), request_id: id.to_owned(), ..Record::queued(&work()) }
     }
 }

@@ -25,17 +25,17 @@ pub(crate) use candidates::candidates;
 
 /// A machine as the ledger keeps it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Definition {
+pub(crate) struct Definition {
     /// Its folder.
-    pub name: String,
+    pub(crate) name: String,
     /// Path → digest; empty for a shipped machine.
-    pub files: BTreeMap<String, String>,
+    pub(crate) files: BTreeMap<String, String>,
     /// Tenant that it belongs to; shipped machines belong to all.
     #[serde(default = "tenant::default", skip_serializing_if = "tenant::is_default")]
-    pub tenant: String,
+    pub(crate) tenant: String,
     /// Shipped, or put there by an administrator: its macros may start commands where that is allowed at all.
     #[serde(default)]
-    pub trusted: bool,
+    pub(crate) trusted: bool,
 }
 
 impl Definition {
@@ -45,12 +45,65 @@ impl Definition {
 
     /// Digest of the files, 16 hexadecimal digits; empty for a shipped machine.
     pub(crate) fn revision(&self) -> String {
-        if self.files.is_empty() {
-            return String::new();
-        }
-        let text: String = self.files.iter().map(|(path, digest)| format!("{path}\0{digest}\n")).collect();
-        digest(text.as_bytes()).get(..16).unwrap_or_default().to_owned()
+        revision_of(&self.files)
     }
+}
+
+/// The machine of a job without its files.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Stored")]
+pub struct Pinned {
+    /// Its folder.
+    pub name: String,
+    /// Digest of its files; empty for a shipped machine.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub revision: String,
+    /// Shipped, or put there by an administrator.
+    pub trusted: bool,
+}
+
+/// The machine in the row of a job; before schema 8 it has its files instead of their digest.
+#[derive(Deserialize)]
+struct Stored {
+    name: String,
+    #[serde(default)]
+    revision: String,
+    #[serde(default)]
+    trusted: bool,
+    #[serde(default)]
+    files: BTreeMap<String, String>,
+}
+
+impl From<Stored> for Pinned {
+    fn from(Stored { name, revision, trusted, files }: Stored) -> Self {
+        let revision = if files.is_empty() { revision } else { revision_of(&files) };
+        Self { name, revision, trusted }
+    }
+}
+
+impl From<&Definition> for Pinned {
+    fn from(machine: &Definition) -> Self {
+        Self { name: machine.name.clone(), revision: machine.revision(), trusted: machine.trusted }
+    }
+}
+
+impl Pinned {
+    /// Name with the revision; the name alone of a shipped machine.
+    pub(crate) fn full_name(&self) -> String {
+        match self.revision.as_str() {
+            "" => self.name.clone(),
+            revision => format!("{}@{revision}", self.name),
+        }
+    }
+}
+
+/// Digest of the files of a machine, 16 hexadecimal digits; empty without files.
+fn revision_of(files: &BTreeMap<String, String>) -> String {
+    if files.is_empty() {
+        return String::new();
+    }
+    let text: String = files.iter().map(|(path, digest)| format!("{path}\0{digest}\n")).collect();
+    digest(text.as_bytes()).get(..16).unwrap_or_default().to_owned()
 }
 
 /// Whether a text can be the name of a machine.

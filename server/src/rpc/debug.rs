@@ -45,7 +45,7 @@ pub(super) async fn debug(
         return Err(Refusal::field("content", "the first message must name the job (job_id)").into());
     };
     let record = job(core, &caller, &id)?;
-    if !record.options.stepped {
+    if !record.stepped {
         return Err(Refusal::NotStepped(id).into());
     }
     let (send, receive) = mpsc::channel(4);

@@ -31,9 +31,9 @@ impl Service for Jobs {
         let traceparent = trace::parse(parent).map_or_else(String::new, |_| parent.trim().to_owned());
         let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
         let tenant = caller.tenant().to_owned();
-        let mut record = blocking(move || submit::record(&core, &tenant, request)).await?;
+        let (mut record, work) = blocking(move || submit::record(&core, &tenant, request)).await?;
         record.runs.traceparent = traceparent;
-        let (record, duplicate) = self.0.submit(record).await?;
+        let (record, duplicate) = self.0.submit(record, work).await?;
         caller.about(&record.id);
         Ok(Response::new(v1::SubmitJobResponse { status: Some(status(record)), duplicate }))
     }
@@ -41,25 +41,27 @@ impl Service for Jobs {
     async fn get_job(&self, request: Request<v1::GetJobRequest>) -> Result<Response<v1::GetJobResponse>, Status> {
         let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
         let record = job(&self.0, &caller, &id)?;
-        let description = match self.0.live(&id).and_then(|live| live.run().map(|run| description(&run.info))) {
-            Some(description) => Some(description),
-            None => {
-                let (core, id) = (self.0.clone(), record.id.clone());
-                let read = move || {
-                    let log = core.kept_log(&id)?;
-                    Ok(log.and_then(|log| Reader::open(&log, 0).ok()).map(|reader| reader.description().clone()))
-                };
-                blocking(read).await?
-            }
+        let core = self.0.clone();
+        let read = move || {
+            let work = core.work(&id)?;
+            let description = match core.live(&id).and_then(|live| live.run().map(|run| description(&run.info))) {
+                Some(description) => Some(description),
+                None => {
+                    let reader = core.kept_log(&id)?.and_then(|log| Reader::open(&log, 0).ok());
+                    reader.map(|reader| reader.description().clone())
+                }
+            };
+            let options = options(&record, &work);
+            let file = |(path, digest): (String, String)| v1::FileRef { path, digest };
+            Ok(v1::GetJobResponse {
+                files: work.files.into_iter().map(file).collect(),
+                options: Some(options),
+                pinned_machine: record.machine.full_name(),
+                status: Some(status(record)),
+                description,
+            })
         };
-        let file = |(path, digest): &(String, String)| v1::FileRef { path: path.clone(), digest: digest.clone() };
-        Ok(Response::new(v1::GetJobResponse {
-            files: record.files.iter().map(file).collect(),
-            options: Some(options(&record)),
-            pinned_machine: filter::pinned(&record.machine),
-            status: Some(status(record)),
-            description,
-        }))
+        Ok(Response::new(blocking(read).await?))
     }
 
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
@@ -167,12 +169,12 @@ impl Service for Jobs {
             return Err(Refusal::Draining { cursor: 0 }.into());
         }
         let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
-        let record = blocking(move || {
+        let (record, work) = blocking(move || {
             let earlier = job(&core, &caller, &request.job_id)?;
             submit::rerun(&core, earlier, request)
         })
         .await?;
-        let (record, duplicate) = self.0.submit(record).await?;
+        let (record, duplicate) = self.0.submit(record, work).await?;
         Ok(Response::new(v1::RerunJobResponse { status: Some(status(record)), duplicate }))
     }
 

@@ -38,7 +38,7 @@ impl Service for Operator {
             return Err(Refusal::field("content", "the first message must name the job (job_id)").into());
         };
         let record = job(&self.0, &caller, &id)?;
-        if !record.options.attended {
+        if !record.attended {
             return Err(Refusal::NotAttended(id).into());
         }
         let (send, receive) = mpsc::channel(4);
@@ -140,7 +140,6 @@ impl Attend {
             self.live.desk().answer(id, None);
             return Err(refusal);
         }
-        self.live.change(|record| record.answers.push((channel, answer.clone())));
         self.live.desk().answer(id, answer);
         Ok(())
     }

@@ -206,10 +206,11 @@ impl Ended {
                 let lost = record.events > 0 && core.options.embedded.log;
                 return Err(if lost { damage("it is gone").into() } else { Refusal::NoResults(id) });
             };
-            let sandbox = Sandbox::new(core.blobs.of(&record.tenant), &record.files);
+            let mut work = core.work(&id)?;
+            let sandbox = Sandbox::new(core.blobs.of(&record.tenant), std::mem::take(&mut work.files));
             let info = match core.live(&id).and_then(|live| live.run().map(|run| run.info.clone())) {
                 Some(info) => info,
-                None => match worker::prepare(&core, &record, &sandbox, &Stop::default())? {
+                None => match worker::prepare(&core, &record, work, &sandbox, &Stop::default())? {
                     Ok(prepared) => prepared.info().clone(),
                     Err(_) => return Err(Refusal::NoResults(id)),
                 },

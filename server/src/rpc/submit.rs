@@ -14,7 +14,7 @@ use prost::Message as _;
 
 use crate::blobs::{digest, is_digest};
 use crate::jobs::Core;
-use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, now_ms};
+use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, Work, now_ms};
 use crate::machines::{Definition, candidates, is_shipped};
 use crate::reason::Refusal;
 
@@ -22,7 +22,7 @@ use crate::reason::Refusal;
 const MOST_LABELS: usize = 32;
 
 /// Checks a request and makes the record of a new job.
-pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -> Result<Record, Refusal> {
+pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -> Result<(Record, Work), Refusal> {
     check_request_id(&request.request_id)?;
     let content = content_of(&request);
     let files = files(core, &request.files)?;
@@ -46,6 +46,7 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
     };
     let asked = Asked { guess, ..asked };
     let machine = machine(core, tenant, &machine_name)?;
+    let work = limited(core, &asked, Work { machine, files, options, answers: Vec::new() });
     // The ledger gives the job its name when it accepts it.
     let record = Record {
         content,
@@ -53,23 +54,22 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
         request_id: request.request_id,
         machine_name,
         programs,
-        files,
-        options,
         asked,
         runs: Runs { wall_ms: own.wall_ms, max_job_bytes: own.max_job_bytes, ..Runs::default() },
         submitted_ms: now_ms(),
-        ..Record::queued(machine)
+        ..Record::queued(&work)
     };
-    Ok(limited(core, record))
+    Ok((record, work))
 }
 
 /// Checks a request and makes the record of a job that runs another one again.
-pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobRequest) -> Result<Record, Refusal> {
+pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobRequest) -> Result<(Record, Work), Refusal> {
+    let work = core.work(&earlier.id)?;
     check_request_id(&request.request_id)?;
     let request_id = std::mem::take(&mut request.request_id);
     let content = format!("{CONTENT}{}", digest(&request.encode_to_vec()));
     // An early row has the limits that counted then instead of those that were requested.
-    let early = || Some(earlier.options.limits.clone()).filter(|_| !earlier.content.starts_with(CONTENT));
+    let early = || Some(work.options.limits.clone()).filter(|_| !earlier.content.starts_with(CONTENT));
     let asked = Asked {
         labels: if request.labels.is_empty() { earlier.asked.labels } else { labels(request.labels)? },
         priority: priority(request.priority)?.unwrap_or(earlier.asked.priority),
@@ -79,27 +79,26 @@ pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobReque
         limits: earlier.asked.limits.clone().or_else(early),
     };
     let runs = Runs { wall_ms: earlier.runs.wall_ms, max_job_bytes: earlier.runs.max_job_bytes, ..Runs::default() };
+    let work = limited(core, &asked, Work { answers: Vec::new(), ..work });
     let record = Record {
         content,
         tenant: earlier.tenant,
         request_id,
         machine_name: earlier.machine_name,
         programs: earlier.programs,
-        files: earlier.files,
-        options: earlier.options,
         asked,
         runs,
         submitted_ms: now_ms(),
-        ..Record::queued(earlier.machine)
+        ..Record::queued(&work)
     };
-    Ok(limited(core, record))
+    Ok((record, work))
 }
 
-/// The record with the limits that count: those asked for, or the defaults, within the maxima of the server.
-fn limited(core: &Core, mut record: Record) -> Record {
-    let asked = record.asked.limits.as_ref().map_or_else(Limits::default, or_default);
-    record.options.limits = core.options.maxima.capped(&asked);
-    record
+/// The work with the limits that count: those asked for, or the defaults, within the maxima of the server.
+fn limited(core: &Core, asked: &Asked, mut work: Work) -> Work {
+    let asked = asked.limits.as_ref().map_or_else(Limits::default, or_default);
+    work.options.limits = core.options.maxima.capped(&asked);
+    work
 }
 
 fn labels(labels: BTreeMap<String, String>) -> Result<BTreeMap<String, String>, Refusal> {

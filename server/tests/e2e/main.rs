@@ -36,6 +36,8 @@ mod killed;
 mod life;
 mod limited;
 mod limits;
+#[cfg(target_os = "linux")]
+mod memory;
 mod metrics;
 mod operator;
 mod otlp;

@@ -19,7 +19,7 @@ const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine"
 const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 
 /// The schema of this version.
-const NOW: u64 = 7;
+const NOW: u64 = 8;
 
 /// A row as schema 1 began: without answers, limits of the server and counters of the host.
 pub fn row_1(id: &str, request: &str, state: &str, script: &str) -> Value {
@@ -121,6 +121,7 @@ async fn a_ledger_of_schema_1_is_opened_and_its_jobs_are_listed_watched_and_fini
 }
 
 const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
+const WORK: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("work");
 const BLOB: TableDefinition<'_, &str, u64> = TableDefinition::new("blob");
 const ENDED: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
 const ENDED_7: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDefinition::new("ended_jobs");
@@ -155,7 +156,10 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
         }
         server.until_events(&jobs["running"], 1990).await;
         server.stop().await;
-        back_to_6(folder);
+        back_to_7(folder);
+        if schema == 6 {
+            back_to_6(folder);
+        }
         return jobs;
     }
     for (_, script, _) in &SCRIPTS[2..] {
@@ -209,6 +213,27 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
     }
     txn.commit().unwrap();
     jobs
+}
+
+/// Gives a ledger of schema 8 the form of schema 7: the work of each job is in the row of the job.
+fn back_to_7(folder: &Path) {
+    let database = redb::Database::open(folder.join("ledger.redb")).unwrap();
+    let txn = database.begin_write().unwrap();
+    {
+        let (works, mut jobs) = (txn.open_table(WORK).unwrap(), txn.open_table(JOB).unwrap());
+        for work in works.iter().unwrap() {
+            let (id, work) = work.unwrap();
+            let mut row: Value = serde_json::from_slice(jobs.get(id.value()).unwrap().unwrap().value()).unwrap();
+            let work: Value = serde_json::from_slice(work.value()).unwrap();
+            let row = row.as_object_mut().unwrap();
+            row.retain(|key, _| key != "attended" && key != "stepped");
+            row.extend(work.as_object().unwrap().clone());
+            jobs.insert(id.value(), Value::from(row.clone()).to_string().as_bytes()).unwrap();
+        }
+    }
+    txn.delete_table(WORK).unwrap();
+    txn.open_table(META).unwrap().insert("schema", 7).unwrap();
+    txn.commit().unwrap();
 }
 
 /// Gives a ledger of schema 7 the form of schema 6: ended jobs without tenants, times of tenants in ms.
@@ -286,6 +311,44 @@ async fn ledgers_of_all_earlier_schemas_are_opened_and_their_jobs_found_finished
         assert_eq!(counterpoint_server::doctor::examine(folder.path(), false).unwrap(), [], "{schema}");
         assert_eq!(self::schema(folder.path()), NOW, "a later schema needs a folder of this one here");
     }
+}
+
+/// A job that has waited for its operator in a ledger of schema 7 is attended in this version, with the answers that it
+/// has received, and its list entry says nothing about its options.
+#[tokio::test]
+async fn an_attended_job_of_an_earlier_schema_keeps_its_options_and_answers() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let request = server.request("attended", "ASK One\nASK Two").await;
+    let options_7 = v1::JobOptions { attended: true, stepped: true, opskip: vec![3], ..Default::default() };
+    let request = v1::SubmitJobRequest { options: Some(options_7.clone()), ..request };
+    let job = server.jobs().submit_job(request.clone()).await.unwrap().into_inner().status.unwrap().job_id;
+    server.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
+    server.stop().await;
+    back_to_7(folder.path());
+    let database = redb::Database::open(folder.path().join("ledger.redb")).unwrap();
+    let txn = database.begin_write().unwrap();
+    {
+        let mut jobs = txn.open_table(JOB).unwrap();
+        let mut row: Value = serde_json::from_slice(jobs.get(job.as_str()).unwrap().unwrap().value()).unwrap();
+        let answer = |name: &str| json!([1, {"dialog": name, "button": format!("{name}-ok"), "values": {}}]);
+        row["answers"] = json!([answer("One"), answer("Two")]);
+        jobs.insert(job.as_str(), row.to_string().as_bytes()).unwrap();
+    }
+    txn.commit().unwrap();
+    drop(database);
+    let server = Server::start(options(folder.path())).await;
+    let got = server.jobs().get_job(v1::GetJobRequest { job_id: job.clone() }).await.unwrap().into_inner();
+    assert_eq!(got.options.map(|options| v1::JobOptions { limits: None, ..options }), Some(options_7));
+    assert!(server.jobs().submit_job(request).await.unwrap().into_inner().duplicate);
+    server.jobs().resume_job(v1::ResumeJobRequest { job_id: job.clone() }).await.unwrap();
+    assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);
+    let texts = server.events(&job, 0).await.into_iter().filter_map(|event| match event.kind {
+        Some(v1::event::Kind::Diagnostic(diagnostic)) => Some(diagnostic.text),
+        _ => None,
+    });
+    assert_eq!(texts.collect::<Vec<_>>(), ["One: One-ok", "Two: Two-ok"]);
+    server.stop().await;
 }
 
 #[tokio::test]

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 
 use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
-use super::{JOB, MACHINE, readable, storage};
-use crate::ledger::record::Record;
+use super::{JOB, MACHINE, readable, storage, works};
+use crate::ledger::record::{Record, Work};
 use crate::machines::Definition;
 use crate::reason::Refusal;
 use crate::tenant;
@@ -17,9 +17,9 @@ use crate::tenant;
 pub(super) const BLOB: TableDefinition<'_, &str, u64> = TableDefinition::new("blob");
 
 /// Keys of the blobs that a job needs.
-pub(super) fn of_job(record: &Record) -> BTreeSet<String> {
-    let own = record.files.iter().map(|(_, digest)| tenant::key(&record.tenant, digest));
-    own.chain(of_machine(&record.machine)).collect()
+pub(super) fn of_job(tenant: &str, work: &Work) -> BTreeSet<String> {
+    let own = work.files.iter().map(|(_, digest)| tenant::key(tenant, digest));
+    own.chain(of_machine(&work.machine)).collect()
 }
 
 /// Keys of the blobs that a revision of a machine needs.
@@ -57,8 +57,9 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     let jobs = txn.open_table(JOB).map_err(storage)?;
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        if let Some(record) = readable::<Record>(id.value(), row.value()) {
-            add(txn, &of_job(&record))?;
+        let Some(record) = readable::<Record>(id.value(), row.value()) else { continue };
+        if let Some(work) = works::anywhere(txn, id.value(), row.value())? {
+            add(txn, &of_job(&record.tenant, &work))?;
         }
     }
     let machines = txn.open_table(MACHINE).map_err(storage)?;

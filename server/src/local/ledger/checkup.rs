@@ -9,8 +9,8 @@ use bytes::Bytes;
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 
 use super::writer::Place;
-use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, parse, retention, schema, storage, usage};
-use crate::ledger::record::Record;
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, parse, retention, schema, storage, usage, works};
+use crate::ledger::record::{Record, Work};
 use crate::local::store::Store;
 use crate::machines::Definition;
 use crate::reason::Refusal;
@@ -35,11 +35,12 @@ pub(crate) struct Unreadable {
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
     pub(crate) jobs: Vec<Record>,
-    pub(crate) machines: Vec<Definition>,
+    /// Blobs that jobs and machines need: tenant and digest.
+    pub(crate) blobs: BTreeSet<(String, String)>,
     pub(crate) unreadable: Vec<Unreadable>,
     /// Request ids whose job is not there.
     pub(crate) requests: Vec<String>,
-    /// Logs whose job is not there.
+    /// Logs and work whose job is not there.
     pub(crate) logs: Vec<String>,
     /// The counts of blobs, the lists of jobs or the usage of tenants do not agree with the rows.
     pub(crate) wrong_counts: bool,
@@ -63,25 +64,28 @@ impl Checkup {
         let txn = self.database.begin_read().map_err(storage)?;
         let mut rows = Rows::default();
         let mut known = BTreeSet::new();
-        for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
-            let (id, row) = row.map_err(storage)?;
-            known.insert(id.value().to_owned());
-            match parse(id.value(), row.value()) {
-                Ok(record) => rows.jobs.push(record),
-                Err(_) => rows.unreadable.push(Unreadable { machine: false, key: id.value().to_owned() }),
-            }
-        }
         let mut counts: BTreeMap<String, u64> = BTreeMap::new();
         let mut count = |digests: BTreeSet<String>| {
             digests.into_iter().for_each(|digest| *counts.entry(digest).or_default() += 1);
         };
-        rows.jobs.iter().for_each(|record| count(blob_refs::of_job(record)));
+        for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
+            let (id, row) = row.map_err(storage)?;
+            known.insert(id.value().to_owned());
+            match (parse::<Record>(id.value(), row.value()), works::read(&txn, id.value())) {
+                (Ok(record), Ok(Some(work))) => {
+                    count(blob_refs::of_job(&record.tenant, &work));
+                    rows.need(&record.tenant, &work);
+                    rows.jobs.push(record);
+                }
+                _ => rows.unreadable.push(Unreadable { machine: false, key: id.value().to_owned() }),
+            }
+        }
         for row in txn.open_table(MACHINE).map_err(storage)?.iter().map_err(storage)? {
             let (name, row) = row.map_err(storage)?;
             match parse::<Definition>(name.value(), row.value()) {
                 Ok(definition) if name.value().contains('@') => {
                     count(blob_refs::of_machine(&definition));
-                    rows.machines.push(definition);
+                    rows.need_files(&definition);
                 }
                 Ok(_) => {}
                 Err(_) => rows.unreadable.push(Unreadable { machine: true, key: name.value().to_owned() }),
@@ -99,6 +103,7 @@ impl Checkup {
                 rows.logs.push(id.value().to_owned());
             }
         }
+        rows.logs.extend(works::listed(&txn)?.difference(&known).cloned());
         let mut stored = BTreeMap::new();
         for row in txn.open_table(blob_refs::BLOB).map_err(storage)?.iter().map_err(storage)? {
             let (digest, count) = row.map_err(storage)?;
@@ -134,6 +139,9 @@ impl Checkup {
             let table = if row.machine { MACHINE } else { JOB };
             txn.open_table(table).map_err(storage)?.remove(row.key.as_str()).map_err(storage)?;
             txn.open_table(LOG).map_err(storage)?.remove(row.key.as_str()).map_err(storage)?;
+            if !row.machine {
+                works::remove(&txn, &row.key)?;
+            }
         }
         let gone = |id: &str| rows.unreadable.iter().any(|row| !row.machine && row.key == id);
         txn.open_table(REQUEST)
@@ -142,6 +150,7 @@ impl Checkup {
             .map_err(storage)?;
         for id in &rows.logs {
             txn.open_table(LOG).map_err(storage)?.remove(id.as_str()).map_err(storage)?;
+            works::remove(&txn, id)?;
         }
         blob_refs::count_all(&txn)?;
         retention::list_all(&txn, store)?;
@@ -152,15 +161,15 @@ impl Checkup {
 }
 
 impl Rows {
-    /// Blobs that jobs and machines need: tenant and digest.
-    pub(crate) fn blobs(&self) -> BTreeSet<(&str, &str)> {
-        fn of(machine: &Definition) -> impl Iterator<Item = (&str, &str)> {
-            machine.files.values().map(|digest| (machine.tenant.as_str(), digest.as_str()))
-        }
-        let own =
-            self.jobs.iter().flat_map(|job| job.files.iter().map(|(_, digest)| (job.tenant.as_str(), digest.as_str())));
-        let machines = self.jobs.iter().map(|record| &record.machine).chain(&self.machines);
-        own.chain(machines.flat_map(of)).collect()
+    /// Notes the blobs that a job needs.
+    fn need(&mut self, tenant: &str, work: &Work) {
+        self.blobs.extend(work.files.iter().map(|(_, digest)| (tenant.to_owned(), digest.clone())));
+        self.need_files(&work.machine);
+    }
+
+    /// Notes the blobs that a machine needs.
+    fn need_files(&mut self, machine: &Definition) {
+        self.blobs.extend(machine.files.values().map(|digest| (machine.tenant.clone(), digest.clone())));
     }
 }
 
@@ -177,6 +186,7 @@ pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &Store) -> Result<(
     let txn = database.begin_write().map_err(storage)?;
     copy_table(from, &txn, schema::META)?;
     copy_table(from, &txn, JOB)?;
+    copy_table(from, &txn, works::WORK)?;
     copy_table(from, &txn, REQUEST)?;
     copy_table(from, &txn, MACHINE)?;
     // A ledger of an early schema does not have these.

@@ -47,9 +47,8 @@ fn label_term(tenant: &str, key: &str, value: &str) -> String {
 fn fixed(record: &Record) -> Vec<String> {
     let (tenant, machine) = (record.tenant.as_str(), &record.machine);
     let mut terms = vec![machine_term(tenant, &machine.name)];
-    let revision = machine.revision();
-    if !revision.is_empty() {
-        terms.push(machine_term(tenant, &format!("{}@{revision}", machine.name)));
+    if !machine.revision.is_empty() {
+        terms.push(machine_term(tenant, &machine.full_name()));
     }
     terms.extend(record.asked.labels.iter().map(|(key, value)| label_term(tenant, key, value)));
     terms

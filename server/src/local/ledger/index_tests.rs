@@ -3,7 +3,7 @@ use redb::{Database, ReadableDatabase};
 use super::*;
 use crate::ledger::prefix::IdPrefix;
 use crate::ledger::record::tests::record;
-use crate::machines::Definition;
+use crate::machines::{Definition, Pinned};
 
 /// Identity of the job accepted at a millisecond.
 fn id(ms: i64) -> String {
@@ -53,9 +53,7 @@ impl Jobs {
             let machine = query.machine.as_ref();
             job.tenant == query.tenant
                 && (query.states.is_empty() || query.states.contains(&state))
-                && machine.is_none_or(|name| {
-                    *name == job.machine.name || *name == format!("{}@{}", job.machine.name, job.machine.revision())
-                })
+                && machine.is_none_or(|name| *name == job.machine.name || *name == job.machine.full_name())
                 && query.labels.iter().all(|(key, value)| job.asked.labels.get(key) == Some(value))
                 && job.submitted_ms >= query.from_ms
                 && (query.until_ms == 0 || job.submitted_ms < query.until_ms)
@@ -79,11 +77,12 @@ fn some_jobs(seed: &mut u64, count: i64) -> Vec<Record> {
     let job = |ms: i64| {
         let mut job = Record { state: states[random(seed) % 5], submitted_ms: 1000 + ms, ..record(&id(1000 + ms)) };
         job.tenant = ["default", "other"][random(seed) % 2].to_owned();
-        job.machine = Definition::shipped(["mill", "lathe"][random(seed) % 2]);
+        let mut machine = Definition::shipped(["mill", "lathe"][random(seed) % 2]);
         if random(seed).is_multiple_of(3) {
             let digest = ["aa", "bb"][random(seed) % 2];
-            job.machine.files = [("lathe/machine.toml".to_owned(), digest.to_owned())].into();
+            machine.files = [("lathe/machine.toml".to_owned(), digest.to_owned())].into();
         }
+        job.machine = Pinned::from(&machine);
         for key in ["part", "shift"] {
             if !random(seed).is_multiple_of(4) {
                 job.asked.labels.insert(key.to_owned(), (random(seed) % 3).to_string());
@@ -100,8 +99,7 @@ fn pages_hold_what_a_look_at_every_job_finds() {
     let jobs = Jobs::new(some_jobs(&mut seed, 300));
     let open: Vec<_> = jobs.1.iter().filter(|job| job.state == State::Queued).map(|job| job.id.clone()).collect();
     let all = [State::Queued, State::Running, State::Succeeded, State::Failed, State::Cancelled];
-    let pinned = jobs.1.iter().find(|job| !job.machine.files.is_empty()).unwrap().machine.clone();
-    let pinned = format!("{}@{}", pinned.name, pinned.revision());
+    let pinned = jobs.1.iter().find(|job| !job.machine.revision.is_empty()).unwrap().machine.full_name();
     let mut seen = 0;
     for round in 0..1000 {
         let r = &mut seed;
@@ -159,7 +157,7 @@ fn short_identities_find_their_jobs() {
 fn a_page_takes_a_bounded_number_of_steps_and_the_next_one_continues() {
     let job = |ms: i64| {
         let mut job = record(&id(ms));
-        job.machine = Definition::shipped(if ms % 2 == 0 { "mill" } else { "lathe" });
+        job.machine = Pinned::from(&Definition::shipped(if ms % 2 == 0 { "mill" } else { "lathe" }));
         if ms % 2 == 1 || ms == 9000 {
             job.asked.labels.insert("k".to_owned(), "v".to_owned());
         }

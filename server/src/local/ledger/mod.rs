@@ -12,6 +12,7 @@ mod pace;
 pub(crate) mod retention;
 mod schema;
 mod usage;
+mod works;
 mod writer;
 
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
@@ -24,13 +25,13 @@ use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 
 use super::store::Store;
-use crate::ledger::record::Record;
+use crate::ledger::record::{Record, Work};
 use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage, time_of};
 use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
-use writer::{Operation, Place, Shared, Work};
+use writer::{Operation, Place, Shared};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
@@ -97,6 +98,7 @@ fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refus
     let bytes = retention::unlist(txn, id, ended_ms)?;
     let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
     txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
+    let work = works::remove(txn, id)?;
     let Some(record) = row.and_then(|row| readable::<Record>(id, &row)) else { return Ok(()) };
     txn.open_table(REQUEST)
         .map_err(storage)?
@@ -104,7 +106,10 @@ fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refus
         .map_err(storage)?;
     index::remove(txn, &record)?;
     usage::removed(txn, &record.tenant, bytes)?;
-    blob_refs::subtract(txn, &blob_refs::of_job(&record))
+    match work {
+        Some(work) => blob_refs::subtract(txn, &blob_refs::of_job(&record.tenant, &work)),
+        None => Ok(()),
+    }
 }
 
 fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
@@ -183,7 +188,7 @@ impl LocalLedger {
         then: impl FnOnce(&R) + Send + 'static,
     ) -> (Operation, oneshot::Receiver<Result<R, Refusal>>) {
         let (answer, answered) = oneshot::channel();
-        let work: Work = Box::new(move |txn| {
+        let work: writer::Work = Box::new(move |txn| {
             let result = work(txn);
             Box::new(move |committed| {
                 let result = committed.and(result);
@@ -234,25 +239,32 @@ impl Ledger for LocalLedger {
         self.shared.writable.subscribe()
     }
 
-    async fn submit(&self, mut record: Record, check: Check<Record>, accepted: Accepted) -> Result<Submitted, Refusal> {
+    async fn submit(
+        &self,
+        mut record: Record,
+        work: Work,
+        check: Check<Work>,
+        accepted: Accepted,
+    ) -> Result<Submitted, Refusal> {
         let tenant = record.tenant.clone();
-        let work = move |txn: &WriteTransaction| {
+        let submit = move |txn: &WriteTransaction| {
             let mut requests = txn.open_table(REQUEST).map_err(storage)?;
             let request = tenant::key(&record.tenant, &record.request_id);
             let known = requests.get(request.as_str()).map_err(storage)?.map(|id| id.value().to_owned());
             if let Some(known) = known.map(|id| get(txn, &id)).transpose()?.flatten() {
-                return same(known, &record);
+                return same(txn, known, &record, &work);
             }
-            check(&record)?;
+            check(&work)?;
             let now = Uuid::now_v7();
             (record.id, record.submitted_ms) = (next_id(txn, now)?, time_of(now));
             put(txn, &record)?;
+            works::put(txn, &record.id, &work)?;
             index::add(txn, &record)?;
-            blob_refs::add(txn, &blob_refs::of_job(&record))?;
+            blob_refs::add(txn, &blob_refs::of_job(&record.tenant, &work))?;
             requests.insert(request.as_str(), record.id.as_str()).map_err(storage)?;
             Ok(Submitted::New(Box::new(record)))
         };
-        let (operation, answered) = Self::operation(&tenant, work, |submitted| {
+        let (operation, answered) = Self::operation(&tenant, submit, |submitted| {
             if let Submitted::New(record) = submitted {
                 accepted(record);
             }
@@ -282,10 +294,10 @@ impl Ledger for LocalLedger {
     }
 
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal> {
-        self.write(move |txn| match get(txn, &id)? {
-            Some(mut record) if !record.state.ended() => {
-                record.answers.push((channel, answer));
-                put(txn, &record)
+        self.write(move |txn| match (get(txn, &id)?, works::get(txn, &id)?) {
+            (Some(record), Some(mut work)) if !record.state.ended() => {
+                work.answers.push((channel, answer));
+                works::put(txn, &id, &work)
             }
             _ => Ok(()),
         })
@@ -299,7 +311,7 @@ impl Ledger for LocalLedger {
     fn end(&self, record: Record, log: Option<Bytes>, then: Then) {
         let then = Reply(Some(then));
         let tenant = number(&record.tenant);
-        let work: Work = Box::new(move |txn| {
+        let work: writer::Work = Box::new(move |txn| {
             let keep = || {
                 if let Some(log) = log {
                     txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
@@ -337,6 +349,10 @@ impl Ledger for LocalLedger {
         let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
         let row = table.get(id).map_err(storage)?;
         row.map(|row| parse(id, row.value())).transpose()
+    }
+
+    fn work(&self, id: &str) -> Result<Option<Work>, Refusal> {
+        works::read(&self.snapshot()?, id)
     }
 
     fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<Record>, Refusal> {
@@ -454,12 +470,13 @@ pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
     ))
 }
 
-fn same(known: Record, asked: &Record) -> Result<Submitted, Refusal> {
-    if known.asks_the_same(asked) {
-        Ok(Submitted::Known(Box::new(known)))
-    } else {
-        Err(Refusal::RequestIdReused(asked.request_id.clone()))
-    }
+/// The answer to a submit whose request id is known.
+fn same(txn: &WriteTransaction, known: Record, asked: &Record, asked_work: &Work) -> Result<Submitted, Refusal> {
+    let same = match known.asks_the_same(asked) {
+        Some(same) => same,
+        None => works::get(txn, &known.id)?.is_some_and(|work| known.asks_the_same_work(&work, asked, asked_work)),
+    };
+    if same { Ok(Submitted::Known(Box::new(known))) } else { Err(Refusal::RequestIdReused(asked.request_id.clone())) }
 }
 
 #[cfg(test)]

@@ -11,9 +11,10 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use super::checkup::Checkup;
 use super::*;
 use crate::ledger::day;
-use crate::ledger::record::tests::record;
+use crate::ledger::record::tests::{record, work};
 use crate::ledger::record::{CONTENT, State};
 use crate::local::disk::{Disk, Faults, Step};
+use crate::machines::Pinned;
 
 /// A host that loses its power after this many more writes of the ledger; negative = never.
 #[derive(Debug)]
@@ -37,7 +38,7 @@ impl Faults for Power {
 /// The requests to the ledger.
 #[derive(Debug, Clone)]
 enum Operation {
-    Submit(Box<Record>),
+    Submit(Box<Record>, Box<Work>),
     Cancel(String),
     Answer(String),
     End(Box<Record>, Option<Bytes>),
@@ -51,6 +52,7 @@ enum Operation {
 #[derive(Debug, Clone, Default)]
 struct Twin {
     jobs: BTreeMap<String, Record>,
+    works: BTreeMap<String, Work>,
     logs: BTreeMap<String, Bytes>,
     /// By tenant and name: the newest revision, and all.
     machines: BTreeMap<(String, String), (Definition, BTreeMap<String, Definition>)>,
@@ -64,20 +66,22 @@ impl Twin {
 
     fn take_out(&mut self, id: &str) {
         self.jobs.remove(id);
+        self.works.remove(id);
         self.logs.remove(id);
     }
 
     /// Executes an operation; `accepted`: the ledger's record of a submit. Returns whether the operation is refused.
     fn apply(&mut self, operation: &Operation, accepted: Option<&Record>) -> bool {
         match operation {
-            Operation::Submit(asked) => match self.by_request(&asked.tenant, &asked.request_id) {
-                Some(known) => return !known.asks_the_same(asked),
+            Operation::Submit(asked, work) => match self.by_request(&asked.tenant, &asked.request_id) {
+                Some(known) => return known.asks_the_same(asked) != Some(true),
                 None => {
                     let accepted = accepted.expect("a new request gives a new job").clone();
                     assert!(self.jobs.last_key_value().is_none_or(|(last, _)| *last < accepted.id), "ids ascend");
                     let id = accepted.id.clone();
                     let given = Record { id: String::new(), submitted_ms: asked.submitted_ms, ..accepted.clone() };
                     assert_eq!(given, **asked);
+                    self.works.insert(id.clone(), (**work).clone());
                     self.jobs.insert(id, accepted);
                 }
             },
@@ -85,8 +89,9 @@ impl Twin {
                 self.jobs.get_mut(id).filter(|job| !job.state.ended()).into_iter().for_each(|job| job.cancel = true);
             }
             Operation::Answer(id) => {
-                let open = self.jobs.get_mut(id).filter(|job| !job.state.ended());
-                open.into_iter().for_each(|job| job.answers.push((1, None)));
+                if self.jobs.get(id).is_some_and(|job| !job.state.ended()) {
+                    self.works.get_mut(id).into_iter().for_each(|work| work.answers.push((1, None)));
+                }
             }
             Operation::End(record, log) => {
                 let day = day(record.ended_ms);
@@ -189,10 +194,11 @@ fn operation(random: &mut Random, twin: &Twin, step: usize) -> Operation {
     asked.tenant = TENANTS[random.below(2)].to_owned();
     asked.request_id = format!("r{}", random.below(2 * step + 2));
     asked.content = format!("{CONTENT}{}", random.below(2));
-    asked.files = vec![("f".to_owned(), format!("{:064}", random.below(5)))];
-    asked.machine = Definition { tenant: asked.tenant.clone(), ..definition(random) };
+    let machine = Definition { tenant: asked.tenant.clone(), ..definition(random) };
+    asked.machine = Pinned::from(&machine);
+    let files = vec![("f".to_owned(), format!("{:064}", random.below(5)))];
     asked.asked.labels.insert("part".to_owned(), random.below(3).to_string());
-    Operation::Submit(Box::new(asked))
+    Operation::Submit(Box::new(asked), Box::new(Work { machine, files, ..work() }))
 }
 
 struct Bench {
@@ -212,8 +218,8 @@ impl Bench {
         let ledger = self.ledger();
         let run = &self.runtime;
         match operation {
-            Operation::Submit(record) => {
-                let submitted = run.block_on(ledger.submit(*record, Box::new(|_| Ok(())), Box::new(|_| ())))?;
+            Operation::Submit(record, work) => {
+                let submitted = run.block_on(ledger.submit(*record, *work, Box::new(|_| Ok(())), Box::new(|_| ())))?;
                 return Ok(Some(match submitted {
                     Submitted::New(record) | Submitted::Known(record) => *record,
                 }));
@@ -257,6 +263,7 @@ impl Bench {
         for (id, job) in &twin.jobs {
             same("job", ledger.job(id).unwrap().as_ref() == Some(job))?;
             same("request", ledger.by_request(&job.tenant, &job.request_id).unwrap().as_ref() == Some(job))?;
+            same("work", ledger.work(id).unwrap().as_ref() == twin.works.get(id))?;
             same("log", ledger.log(id).unwrap().as_ref() == twin.logs.get(id))?;
         }
         for tenant in TENANTS {
@@ -319,10 +326,10 @@ fn drive(seed: u64, steps: usize) -> usize {
                 bench.reopen();
                 let mut done = twin.clone();
                 let accepted = match &operation {
-                    Operation::Submit(asked) => bench.ledger().by_request(&asked.tenant, &asked.request_id).unwrap(),
+                    Operation::Submit(asked, _) => bench.ledger().by_request(&asked.tenant, &asked.request_id).unwrap(),
                     _ => None,
                 };
-                let may_be_done = !matches!(operation, Operation::Submit(_)) || accepted.is_some();
+                let may_be_done = !matches!(operation, Operation::Submit(..)) || accepted.is_some();
                 if may_be_done {
                     done.apply(&operation, accepted.as_ref());
                 }

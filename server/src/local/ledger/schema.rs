@@ -5,7 +5,7 @@
 
 use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
-use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, retention, storage, usage};
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, retention, storage, usage, works};
 use crate::local::store::Store;
 use crate::reason::Refusal;
 
@@ -15,7 +15,8 @@ pub(super) const META: TableDefinition<'_, &str, u64> = TableDefinition::new("me
 type Step = fn(&WriteTransaction, &Store) -> Result<(), Refusal>;
 
 /// The steps: the first leads from form 1 to form 2, and so on.
-const STEPS: &[Step] = &[small_logs, blob_counts, ended_jobs, tenants, terms_and_usage, ended_of_tenants];
+const STEPS: &[Step] =
+    &[small_logs, blob_counts, ended_jobs, tenants, terms_and_usage, ended_of_tenants, works_of_jobs];
 
 /// The form that this server writes.
 pub(super) const SCHEMA: u64 = 1 + STEPS.len() as u64;
@@ -72,6 +73,11 @@ fn ended_of_tenants(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusa
     retention::with_tenants(txn)?;
     usage::count_all(txn)?;
     usage::in_micros(txn)
+}
+
+/// 7 → 8: the work of a job is a row of its own.
+fn works_of_jobs(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+    works::split_all(txn)
 }
 
 /// The number of this opening.

@@ -1,0 +1,83 @@
+//! The work of each job, in a table of its own: a change of state does not write it again, and a list does not read it.
+//!
+//! Invariant: from schema 8 on every job has a row here; before, its work is in the row of the job itself.
+
+use std::collections::BTreeSet;
+
+use redb::{ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
+
+use super::{JOB, parse, readable, storage};
+use crate::ledger::record::{Record, Work};
+use crate::reason::Refusal;
+
+/// Identity → work.
+pub(super) const WORK: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("work");
+
+/// Stores the work of a job.
+pub(super) fn put(txn: &WriteTransaction, id: &str, work: &Work) -> Result<(), Refusal> {
+    let bytes = serde_json::to_vec(work).map_err(storage)?;
+    txn.open_table(WORK).map_err(storage)?.insert(id, bytes.as_slice()).map_err(storage)?;
+    Ok(())
+}
+
+/// The work of a job, if there is one.
+pub(super) fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Work>, Refusal> {
+    let table = txn.open_table(WORK).map_err(storage)?;
+    let row = table.get(id).map_err(storage)?;
+    row.map(|row| parse(id, row.value())).transpose()
+}
+
+/// The work of a job as a reader sees it.
+pub(super) fn read(txn: &ReadTransaction, id: &str) -> Result<Option<Work>, Refusal> {
+    let table = txn.open_table(WORK).map_err(storage)?;
+    let row = table.get(id).map_err(storage)?;
+    row.map(|row| parse(id, row.value())).transpose()
+}
+
+/// Removes the work of a job and returns it, if it can be read.
+pub(super) fn remove(txn: &WriteTransaction, id: &str) -> Result<Option<Work>, Refusal> {
+    let mut table = txn.open_table(WORK).map_err(storage)?;
+    let row = table.remove(id).map_err(storage)?;
+    Ok(row.and_then(|row| readable(id, row.value())))
+}
+
+/// The work of a job wherever a ledger of any schema has it; `row` is the row of the job.
+pub(super) fn anywhere(txn: &WriteTransaction, id: &str, row: &[u8]) -> Result<Option<Work>, Refusal> {
+    match txn.open_table(WORK).map_err(storage)?.get(id).map_err(storage)? {
+        Some(work) => Ok(readable(id, work.value())),
+        None => Ok(readable(id, row)),
+    }
+}
+
+/// Identities of all jobs whose work is here.
+pub(super) fn listed(txn: &ReadTransaction) -> Result<BTreeSet<String>, Refusal> {
+    let mut listed = BTreeSet::new();
+    for row in txn.open_table(WORK).map_err(storage)?.iter().map_err(storage)? {
+        listed.insert(row.map_err(storage)?.0.value().to_owned());
+    }
+    Ok(listed)
+}
+
+/// Takes the work of all jobs out of their rows. A row that cannot be read stays as it is.
+pub(super) fn split_all(txn: &WriteTransaction) -> Result<(), Refusal> {
+    let mut jobs = txn.open_table(JOB).map_err(storage)?;
+    let mut ids = Vec::new();
+    {
+        let works = txn.open_table(WORK).map_err(storage)?;
+        for row in jobs.iter().map_err(storage)? {
+            let (id, _) = row.map_err(storage)?;
+            if works.get(id.value()).map_err(storage)?.is_none() {
+                ids.push(id.value().to_owned());
+            }
+        }
+    }
+    for id in ids {
+        let Some(row) = jobs.get(id.as_str()).map_err(storage)?.map(|row| row.value().to_vec()) else { continue };
+        let (Some(record), Some(work)) = (readable::<Record>(&id, &row), readable::<Work>(&id, &row)) else { continue };
+        put(txn, &id, &work)?;
+        let (attended, stepped) = (work.options.attended, work.options.stepped);
+        let bytes = serde_json::to_vec(&Record { attended, stepped, ..record }).map_err(storage)?;
+        jobs.insert(id.as_str(), bytes.as_slice()).map_err(storage)?;
+    }
+    Ok(())
+}
