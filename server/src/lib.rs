@@ -18,6 +18,7 @@ mod ledger;
 pub mod local;
 pub mod log;
 mod machines;
+mod memory;
 mod metrics;
 mod net;
 pub mod notify;

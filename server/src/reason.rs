@@ -106,6 +106,9 @@ pub enum Refusal {
     /// The admission queue is full.
     #[error("the queue is full ({0} jobs)")]
     QueueFull(usize),
+    /// The memory budget of the server does not have room for the request.
+    #[error("the server has no memory for the request within its budget of {0} bytes (memory_bytes)")]
+    MemoryFull(u64),
     /// The server is going down; `cursor` is where a watch may continue.
     #[error("the server is shutting down")]
     Draining {
@@ -214,6 +217,7 @@ impl Refusal {
             Self::CursorTooOld { .. } => ("CURSOR_TOO_OLD", Code::OutOfRange),
             Self::Quota { .. } => ("QUOTA_EXCEEDED", Code::ResourceExhausted),
             Self::QueueFull(_) => ("QUEUE_FULL", Code::ResourceExhausted),
+            Self::MemoryFull(_) => ("MEMORY_FULL", Code::ResourceExhausted),
             Self::Draining { .. } => ("DRAINING", Code::Unavailable),
             Self::Storage(_) => ("STORAGE", Code::Unavailable),
             Self::DiskFull(_) => ("DISK_FULL", Code::ResourceExhausted),
@@ -269,7 +273,11 @@ impl From<Refusal> for Status {
                     details.add_bad_request_violation(place, text);
                 }
             }
-            Refusal::QueueFull(_) | Refusal::Draining { .. } | Refusal::Storage(_) | Refusal::TooManyUploads => {
+            Refusal::QueueFull(_)
+            | Refusal::MemoryFull(_)
+            | Refusal::Draining { .. }
+            | Refusal::Storage(_)
+            | Refusal::TooManyUploads => {
                 details.set_retry_info(Some(Duration::from_secs(1)));
             }
             Refusal::RateLimited(wait) => {

@@ -274,6 +274,8 @@ impl Core {
             self.board.running.send_replace(queue.jobs.busy().len());
         }
         self.changed(live);
+        // Ended jobs that stay in memory have bounds of their own.
+        live.give_back();
         let bytes = live.finished().map_or(0, |finished| finished.bytes);
         let gone = lock(&self.board.recent).push(live.id.clone(), bytes, self.options.embedded.ephemeral);
         for gone in gone {

@@ -12,8 +12,9 @@ use tokio::sync::watch;
 use super::live::lock;
 use crate::reason::Refusal;
 
-/// Most changes that are remembered.
+/// Most changes that are remembered, and most bytes of them.
 const MOST: usize = 16 * 1024;
+const MOST_BYTES: usize = 8 << 20;
 /// Bits of a cursor for the changes since the start of the server.
 const CHANGES: u32 = 40;
 
@@ -24,6 +25,17 @@ pub(crate) struct Change {
     tenant: Arc<str>,
     /// Keys by which a removed job was found.
     pub(crate) removed: Option<Arc<Removed>>,
+}
+
+impl Change {
+    /// Memory that it takes about.
+    fn bytes(&self) -> usize {
+        let removed = self.removed.as_ref().map_or(0, |removed| {
+            let labels = removed.labels.iter().map(|(key, value)| 96 + key.len() + value.len());
+            64 + removed.machine.len() + labels.sum::<usize>()
+        });
+        128 + self.id.len() + self.tenant.len() + removed
+    }
 }
 
 /// The remains of a removed job.
@@ -41,10 +53,17 @@ pub(crate) struct Changes {
     pub(crate) cursor: u64,
 }
 
+/// Changes and their bytes.
+#[derive(Debug, Default)]
+struct Remembered {
+    changes: VecDeque<Change>,
+    bytes: usize,
+}
+
 /// The feed.
 #[derive(Debug)]
 pub(crate) struct Feed {
-    changes: Mutex<VecDeque<Change>>,
+    changes: Mutex<Remembered>,
     /// Cursor of the newest change.
     last: watch::Sender<u64>,
     most: usize,
@@ -56,11 +75,13 @@ impl Feed {
     }
 
     fn push(&self, change: Change) {
-        let mut changes = lock(&self.changes);
-        if changes.len() >= self.most {
-            changes.pop_front();
+        let mut remembered = lock(&self.changes);
+        remembered.bytes += change.bytes();
+        remembered.changes.push_back(change);
+        while remembered.changes.len() > self.most || remembered.bytes > MOST_BYTES {
+            let Some(oldest) = remembered.changes.pop_front() else { break };
+            remembered.bytes -= oldest.bytes();
         }
-        changes.push_back(change);
         self.last.send_modify(|last| *last += 1);
     }
 
@@ -81,7 +102,8 @@ impl Feed {
 
     /// Up to `most` changes of a tenant after a cursor.
     pub(crate) fn after(&self, tenant: &str, cursor: u64, most: usize) -> Result<Changes, Refusal> {
-        let changes = lock(&self.changes);
+        let remembered = lock(&self.changes);
+        let changes = &remembered.changes;
         let last = *self.last.borrow();
         let oldest = last - changes.len() as u64;
         if cursor < oldest {
@@ -102,7 +124,7 @@ impl Feed {
             }
             found.push(change.clone());
         }
-        drop(changes);
+        drop(remembered);
         let mut seen = std::collections::HashSet::new();
         found.reverse();
         found.retain(|change| seen.insert(change.id.clone()));
@@ -135,6 +157,22 @@ mod tests {
         assert_eq!((ids(&rest).as_str(), rest.cursor), ("ad", start + 5));
         assert_eq!(ids(&feed.after("u", start, 9).unwrap()), "c");
         assert_eq!(feed.after("t", all.cursor, 9).unwrap(), Changes { changes: Vec::new(), cursor: all.cursor });
+    }
+
+    #[test]
+    fn removed_jobs_with_many_labels_are_forgotten_earlier() {
+        let feed = Feed::new(1);
+        let start = *feed.follow().borrow();
+        let labels = (0..32).map(|number| (format!("key-{number}"), "v".repeat(255))).collect();
+        let removed = Removed { machine: "m".into(), labels };
+        for _ in 0..2 * MOST {
+            feed.removed("t", "a", Removed { machine: removed.machine.clone(), labels: removed.labels.clone() });
+        }
+        let kept = lock(&feed.changes);
+        assert!(kept.bytes <= MOST_BYTES && kept.changes.len() > 500, "{}: {}", kept.changes.len(), kept.bytes);
+        assert_eq!(kept.bytes, kept.changes.iter().map(Change::bytes).sum::<usize>());
+        drop(kept);
+        assert!(matches!(feed.after("t", start, 1), Err(Refusal::CursorTooOld { .. })));
     }
 
     #[test]

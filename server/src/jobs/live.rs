@@ -20,6 +20,7 @@ use crate::ledger::record::{Reached, Record, State, now_ms};
 use crate::log::kept::Kept;
 use crate::log::tail::Tail;
 use crate::log::writer::Writer;
+use crate::memory::Taken;
 use crate::results::Finished;
 use crate::trace::Context;
 
@@ -46,6 +47,8 @@ struct RunLimits {
 /// A job in memory.
 #[derive(Debug)]
 pub(crate) struct Live {
+    /// Its part of the memory budget, until it has ended.
+    taken: Mutex<Option<Taken>>,
     pub(crate) id: String,
     record: Mutex<Record>,
     state: watch::Sender<State>,
@@ -76,7 +79,13 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 
 impl Live {
     pub(crate) fn new(record: Record) -> Self {
+        Self::counted(record, None)
+    }
+
+    /// A job whose memory is counted until it has ended.
+    pub(super) fn counted(record: Record, taken: Option<Taken>) -> Self {
         Self {
+            taken: Mutex::new(taken),
             id: record.id.clone(),
             state: watch::Sender::new(record.state),
             cancel: AtomicBool::new(record.cancel),
@@ -256,6 +265,11 @@ impl Live {
     /// Hands the log over for the time of the run.
     pub(crate) fn begin_log(&self, writer: Writer) {
         *lock(&self.writer) = Some(writer);
+    }
+
+    /// Gives back its part of the memory budget.
+    pub(super) fn give_back(&self) {
+        drop(lock(&self.taken).take());
     }
 
     /// Takes the log back.

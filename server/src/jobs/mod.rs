@@ -39,6 +39,7 @@ use crate::ledger::{Ledger, Submitted, recovered};
 use crate::log::Logs;
 use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
+use crate::memory::Memory;
 use crate::metrics::Metrics;
 use crate::options::Options;
 use crate::queue::Queue;
@@ -85,6 +86,7 @@ pub(crate) struct Core {
     pub(crate) runner: Box<dyn Runner>,
     pub(crate) drain: Drain,
     pub(crate) metrics: Arc<Metrics>,
+    pub(crate) memory: Arc<Memory>,
     pub(crate) streams: Arc<Streams>,
     pub(crate) connections: Arc<Connections>,
     flusher: Flusher,
@@ -120,6 +122,7 @@ impl Core {
             runner,
             drain: Drain::new(),
             metrics,
+            memory: Memory::new(options.memory_bytes),
             streams: Arc::default(),
             connections: Arc::default(),
             shares: Shares::new(&options),
@@ -160,7 +163,7 @@ impl Core {
                 self.host.unmark(&record.id);
             }
             if !record.state.ended() {
-                self.admit(Arc::new(Live::new(record)));
+                self.admit(self.in_memory(record));
             }
         }
         housekeeping::remove_folders_without_a_row(self)?;
@@ -219,7 +222,7 @@ impl Core {
         let accepted = move |record: &Record| {
             drop(place);
             if let Some(core) = core.upgrade() {
-                core.admit(Arc::new(Live::new(record.clone())));
+                core.admit(core.in_memory(record.clone()));
             }
         };
         let (blobs, tenant) = (self.blobs.clone(), record.tenant.clone());
@@ -265,8 +268,14 @@ impl Core {
         }
     }
 
+    /// A job that is in memory from now on.
+    fn in_memory(&self, record: Record) -> Arc<Live> {
+        let taken = self.memory.count(record.bytes());
+        Arc::new(Live::counted(record, Some(taken)))
+    }
+
     fn take_up(&self, record: Record) {
-        let live = Arc::new(Live::new(record));
+        let live = self.in_memory(record);
         if !self.enter(&live) {
             return;
         }

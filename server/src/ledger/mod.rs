@@ -110,12 +110,17 @@ pub(crate) struct Query {
     pub(crate) short_ids: bool,
 }
 
+/// Bytes of the rows of a page, or of the jobs of a message; a single job may have more.
+pub(crate) const PAGE_BYTES: u64 = 1 << 20;
+
 /// A page of jobs.
 #[derive(Debug, Default)]
 pub(crate) struct Page {
     pub(crate) jobs: Vec<Record>,
     /// Of the same jobs, if requested.
     pub(crate) short_ids: Vec<String>,
+    /// Bytes of their rows.
+    pub(crate) bytes: u64,
     /// Where the next page begins; none if there is none.
     pub(crate) next: Option<String>,
 }

@@ -331,6 +331,16 @@ impl Record {
         }
     }
 
+    /// Memory that it takes about, with the state of its job.
+    pub(crate) fn bytes(&self) -> u64 {
+        const STATE: usize = 2048;
+        let programs = self.programs.iter();
+        let programs: usize =
+            programs.map(|program| 128 + program.file.len() + program.section.as_ref().map_or(0, String::len)).sum();
+        let labels: usize = self.asked.labels.iter().map(|(key, value)| 96 + key.len() + value.len()).sum();
+        (STATE + self.asked.guess.len() + self.machine_name.len() + programs + labels) as u64
+    }
+
     /// Whether any further run would give the log of this one. A run that was stopped may have logged less than an
     /// earlier run that a pause or the end of a server has stopped; so may a run that an operator has stepped through.
     pub(crate) fn log_is_final(&self) -> bool {

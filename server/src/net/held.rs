@@ -1,6 +1,7 @@
-//! The body of an answer that keeps its call counted until it has been sent.
+//! The body of an answer that keeps its call and its memory counted until it has been sent.
 
 use std::pin::Pin;
+use std::sync::Arc;
 use std::task::{Context, Poll};
 
 use bytes::Bytes;
@@ -10,17 +11,19 @@ use tonic::body::Body;
 
 use crate::access::fair::Stay;
 use crate::connections::Call;
+use crate::memory::Taken;
 
 /// A body and its call.
 pub(super) struct Held {
     body: Body,
     _call: Call,
     _stay: Option<Stay>,
+    _taken: Option<Arc<Taken>>,
 }
 
 impl Held {
-    pub(super) fn new(body: Body, call: Call, stay: Option<Stay>) -> Self {
-        Self { body, _call: call, _stay: stay }
+    pub(super) fn new(body: Body, call: Call, stay: Option<Stay>, taken: Option<Arc<Taken>>) -> Self {
+        Self { body, _call: call, _stay: stay, _taken: taken }
     }
 }
 

@@ -275,7 +275,7 @@ async fn answer(
     let readable = match &peer.gate.web {
         None => None,
         Some(web) => match web.preflight(&request) {
-            Some(answer) => return Ok(answer.map(|body| Held::new(body, call, None))),
+            Some(answer) => return Ok(answer.map(|body| Held::new(body, call, None, None))),
             None => web.readable(request.headers()),
         },
     };
@@ -286,7 +286,7 @@ async fn answer(
             if let Some(origin) = readable {
                 web::allow(refused.headers_mut(), origin);
             }
-            return Ok(refused.map(|body| Held::new(body, call, None)));
+            return Ok(refused.map(|body| Held::new(body, call, None, None)));
         }
     };
     let path = request.uri().path().to_owned();
@@ -310,7 +310,8 @@ async fn answer(
     if let Some(origin) = readable {
         web::allow(response.headers_mut(), origin);
     }
-    Ok(response.map(|body| Held::new(body, call, stay)))
+    let taken = response.extensions_mut().remove();
+    Ok(response.map(|body| Held::new(body, call, stay, taken)))
 }
 
 /// Gives the status of a call that the transport has refused the details that all refusals have.

@@ -1,9 +1,11 @@
 //! Service `Jobs`.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::jobs_server::Jobs as Service;
+use prost::Message as _;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
@@ -15,8 +17,21 @@ use crate::jobs::describe::{description, options, status};
 use crate::jobs::filter::{self, Filter};
 use crate::ledger::Query;
 use crate::log::reader::Reader;
+use crate::memory::Taken;
 use crate::reason::Refusal;
 use crate::trace;
+
+/// Memory of a submit in progress, in sizes of its message: as it came, its digest, its work, and rows of the ledger.
+const SUBMIT_COPIES: u64 = 6;
+/// Memory of an answer that is made and sent, in sizes of its content.
+const ANSWER_COPIES: u64 = 3;
+
+/// An answer whose memory is counted until it has been sent.
+fn counted<T>(answer: T, taken: Taken) -> Response<T> {
+    let mut response = Response::new(answer);
+    response.extensions_mut().insert(Arc::new(taken));
+    response
+}
 
 #[tonic::async_trait]
 impl Service for Jobs {
@@ -30,6 +45,7 @@ impl Service for Jobs {
         let parent = request.metadata().get("traceparent").and_then(|value| value.to_str().ok()).unwrap_or_default();
         let traceparent = trace::parse(parent).map_or_else(String::new, |_| parent.trim().to_owned());
         let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let _taken = core.memory.take(SUBMIT_COPIES * request.encoded_len() as u64)?;
         let tenant = caller.tenant().to_owned();
         let (mut record, work) = blocking(move || submit::record(&core, &tenant, request)).await?;
         record.runs.traceparent = traceparent;
@@ -53,15 +69,17 @@ impl Service for Jobs {
             };
             let options = options(&record, &work);
             let file = |(path, digest): (String, String)| v1::FileRef { path, digest };
-            Ok(v1::GetJobResponse {
+            let answer = v1::GetJobResponse {
                 files: work.files.into_iter().map(file).collect(),
                 options: Some(options),
                 pinned_machine: record.machine.full_name(),
                 status: Some(status(record)),
                 description,
-            })
+            };
+            let taken = core.memory.take(ANSWER_COPIES * answer.encoded_len() as u64)?;
+            Ok(counted(answer, taken))
         };
-        Ok(Response::new(blocking(read).await?))
+        Ok(blocking(read).await?)
     }
 
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
@@ -89,13 +107,14 @@ impl Service for Jobs {
                 ..filter.query(&tenant, core.busy(), size)
             };
             let page = core.ledger.jobs(&query)?;
+            let taken = core.memory.take(ANSWER_COPIES * page.bytes)?;
             let mut jobs: Vec<_> = page.jobs.into_iter().map(|record| status(core.current(record))).collect();
             for (job, short_id) in jobs.iter_mut().zip(page.short_ids) {
                 job.short_id = short_id;
             }
-            Ok(v1::ListJobsResponse { jobs, next_page_token: page.next.unwrap_or_default() })
+            Ok(counted(v1::ListJobsResponse { jobs, next_page_token: page.next.unwrap_or_default() }, taken))
         });
-        Ok(Response::new(answer.await?))
+        Ok(answer.await?)
     }
 
     type WatchJobStream = ReceiverStream<Result<v1::WatchJobResponse, Status>>;

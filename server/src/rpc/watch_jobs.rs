@@ -20,8 +20,8 @@ use crate::jobs::Core;
 use crate::jobs::describe::status;
 use crate::jobs::feed::Change;
 use crate::jobs::filter::Filter;
-use crate::ledger::Query;
 use crate::ledger::record::State;
+use crate::ledger::{PAGE_BYTES, Query};
 use crate::reason::Refusal;
 
 /// Most changes of a message.
@@ -82,9 +82,14 @@ impl WatchJobs {
             let behind = found.cursor < *last.borrow_and_update();
             if found.cursor > cursor {
                 cursor = found.cursor;
-                let changes = self.read(found.changes).await?;
-                if !changes.is_empty() {
-                    send(out, changes, cursor).await?;
+                let mut left = found.changes;
+                while !left.is_empty() {
+                    let (changes, rest) = self.read(left).await?;
+                    left = rest;
+                    if !changes.is_empty() {
+                        // A client that resumes before the last part receives all parts again.
+                        send(out, changes, if left.is_empty() { cursor } else { 0 }).await?;
+                    }
                 }
             }
             if *drain.borrow_and_update() {
@@ -136,25 +141,32 @@ impl WatchJobs {
         }
     }
 
-    /// The newest states of jobs that have changed.
-    async fn read(&self, changes: Vec<Change>) -> Result<Vec<v1::JobChange>, Refusal> {
+    /// The newest states of jobs that have changed, as many as a message may have, and the changes left.
+    async fn read(&self, changes: Vec<Change>) -> Result<(Vec<v1::JobChange>, Vec<Change>), Refusal> {
         let (core, filter) = (self.core.clone(), self.filter.clone());
         blocking(move || {
-            let mut read = Vec::new();
-            for Change { id, removed, .. } in changes {
+            let (mut read, mut bytes) = (Vec::new(), 0);
+            let mut changes = changes.into_iter();
+            while bytes < PAGE_BYTES {
+                let Some(Change { id, removed, .. }) = changes.next() else { break };
                 if let Some(removed) = removed {
                     let status = v1::JobStatus { job_id: id.to_string(), ..Default::default() };
                     read.extend(filter.took(&removed).then_some(v1::JobChange { status: Some(status), removed: true }));
                     continue;
                 }
                 match core.job(&id) {
-                    Ok(record) => read.extend(filter.takes(&record).then(|| change(status(record)))),
+                    Ok(record) if filter.takes(&record) => {
+                        let change = change(status(record));
+                        bytes += change.encoded_len() as u64;
+                        read.push(change);
+                    }
+                    Ok(_) => {}
                     // Removed since, or lost: its removal follows, or a request for it reports the fault.
                     Err(Refusal::UnknownJob(_) | Refusal::DataLoss(_)) => {}
                     Err(refusal) => return Err(refusal),
                 }
             }
-            Ok(read)
+            Ok((read, changes.collect()))
         })
         .await
     }

@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 use counterpoint_proto::v1;
 use counterpoint_server::options::{Maxima, Options};
 use tonic::Code;
+use tonic_types::StatusExt as _;
 
 use crate::support::*;
 
@@ -179,5 +180,38 @@ async fn a_job_that_takes_more_memory_than_its_budget_fails_alone() {
     assert_eq!((greedy.state(), greedy.cause(), greedy.limit()), expected, "{greedy:?}");
     assert!(greedy.verdict.contains("HOARD"), "{}", greedy.verdict);
     assert_eq!((modest.state(), modest.limit()), (v1::JobState::Succeeded, v1::JobLimit::Unspecified), "{modest:?}");
+    server.stop().await;
+}
+
+/// The memory budget of the server refuses what does not fit, counts jobs until they end, and is free again afterwards.
+#[tokio::test]
+async fn requests_beyond_the_memory_budget_are_refused_and_fit_again_when_jobs_have_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(Options { memory_bytes: 100_000, workers: 1, ..options(folder.path()) }).await;
+    let mut request = server.request("large", "EVENTS 1").await;
+    let text = v1::DialogValue { value: Some(v1::dialog_value::Value::Text("x".repeat(20_000))) };
+    let answer = v1::DialogAnswer { dialog: "D".into(), values: [("V".to_owned(), text)].into(), ..Default::default() };
+    request.options = Some(v1::JobOptions { answers: vec![answer], ..Default::default() });
+    let refused = server.jobs().submit_job(request).await.unwrap_err();
+    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::ResourceExhausted, "MEMORY_FULL"));
+    assert!(refused.get_error_details().retry_info().is_some());
+    let mut waiting = Vec::new();
+    let full = loop {
+        let request = server.request(&format!("waits-{}", waiting.len()), "HANG").await;
+        match server.jobs().submit_job(request).await {
+            Ok(answer) => waiting.push(answer.into_inner().status.unwrap().job_id),
+            Err(refused) => break refused,
+        }
+    };
+    assert_eq!(reason(&full), "MEMORY_FULL");
+    assert!((20..50).contains(&waiting.len()), "some kilobytes for each job that waits: {}", waiting.len());
+    server.script.hang.store(false, Ordering::SeqCst);
+    for job in &waiting {
+        let cancel = v1::CancelJobRequest { job_id: job.clone() };
+        server.jobs().cancel_job(cancel).await.unwrap();
+        server.wait(job).await;
+    }
+    let job = server.submit("fits", "EVENTS 2").await;
+    assert_eq!(server.wait(&job).await.events, 2);
     server.stop().await;
 }

@@ -14,7 +14,7 @@ use uuid::Uuid;
 use super::{JOB, readable, storage};
 use crate::ledger::prefix::shortest;
 use crate::ledger::record::{Record, State};
-use crate::ledger::{Page, Query};
+use crate::ledger::{PAGE_BYTES, Page, Query};
 use crate::reason::Refusal;
 
 /// Term and identity.
@@ -332,9 +332,16 @@ fn jobs(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal> {
             page.next = page.jobs.last().map(|job| job.id.clone());
             return Ok(page);
         }
-        let row = jobs.get(bound.as_str()).map_err(storage)?;
-        let record = row.and_then(|row| readable::<Record>(&bound, row.value()));
-        page.jobs.extend(record.filter(|record| record.tenant == query.tenant));
+        if let Some(row) = jobs.get(bound.as_str()).map_err(storage)? {
+            let bytes = row.value().len() as u64;
+            if !page.jobs.is_empty() && page.bytes.saturating_add(bytes) > PAGE_BYTES {
+                page.next = page.jobs.last().map(|job| job.id.clone());
+                return Ok(page);
+            }
+            let record = readable::<Record>(&bound, row.value()).filter(|record| record.tenant == query.tenant);
+            page.bytes = page.bytes.saturating_add(if record.is_some() { bytes } else { 0 });
+            page.jobs.extend(record);
+        }
         match walk.after(&bound) {
             Some(next) => bound = next,
             None => return Ok(page),

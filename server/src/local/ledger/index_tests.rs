@@ -182,3 +182,18 @@ fn a_page_takes_a_bounded_number_of_steps_and_the_next_one_continues() {
         assert!((5..100).contains(&pages), "{pages}");
     }
 }
+
+#[test]
+fn a_page_ends_at_its_bytes_and_the_next_one_continues() {
+    let job = |ms: i64| Record { error: "e".repeat(300_000), submitted_ms: 1000 + ms, ..record(&id(1000 + ms)) };
+    let mut large: Vec<_> = (0..10).map(job).collect();
+    large[4].error = "e".repeat(2_000_000);
+    let jobs = Jobs::new(large);
+    for newest_first in [false, true] {
+        let query = Query { tenant: "default".to_owned(), count: 500, newest_first, ..Query::default() };
+        assert_eq!(jobs.page(&query).jobs.len(), 3, "of 1 MiB");
+        assert_eq!(jobs.all(query.clone()), jobs.scanned(&query));
+        let largest = Query { after: id(if newest_first { 1005 } else { 1003 }), ..query };
+        assert_eq!(jobs.page(&largest).jobs.len(), 1, "a job that is larger than a page is one");
+    }
+}
