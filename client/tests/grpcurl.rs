@@ -4,6 +4,7 @@
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
 
 use bytes::{Buf as _, BufMut as _};
 use counterpoint_server::options::Options;
@@ -119,16 +120,12 @@ async fn call(channel: &Channel, method: &MethodDescriptor, json: &str) -> Resul
     Ok(answers)
 }
 
-/// Words of a line of a shell: quotes as `'…'` only.
-fn words(line: &str) -> Vec<String> {
-    let mut words = Vec::new();
-    for (n, part) in line.split('\'').enumerate() {
-        match n % 2 {
-            1 => words.push(part.to_owned()),
-            _ => words.extend(part.split_whitespace().map(str::to_owned)),
-        }
-    }
-    words
+/// Words of a line as a shell gives them to the program, with the variable `JOB`.
+fn words(line: &str, job: &str) -> Vec<String> {
+    let script = format!("grpcurl() {{ printf '%s\\n' grpcurl \"$@\"; }}\n{line}");
+    let output = Command::new("sh").arg("-c").arg(script).env("JOB", job).output().unwrap();
+    assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect()
 }
 
 /// Lines of the fence, those that end with `\` joined with the next ones.
@@ -170,7 +167,7 @@ async fn every_call_has_a_line_and_every_line_works() {
 
     let (mut done, mut job) = (BTreeSet::new(), String::new());
     for line in lines() {
-        let words = words(&line);
+        let words = words(&line, &job);
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let ["grpcurl", "-plaintext", "-d", json, "127.0.0.1:7878", name] = words[..] else {
             panic!("the line has another form: {line}")
@@ -178,7 +175,7 @@ async fn every_call_has_a_line_and_every_line_works() {
         let (service, method) = name.rsplit_once('/').unwrap();
         let service = pool.get_service_by_name(service).unwrap_or_else(|| panic!("no service: {line}"));
         let method = service.methods().find(|one| one.name() == method).unwrap_or_else(|| panic!("no call: {line}"));
-        let answers = call(&channel, &method, &json.replace("$JOB", &job)).await;
+        let answers = call(&channel, &method, json).await;
         let answers = answers.unwrap_or_else(|status| panic!("{line}: {status}"));
         assert!(!answers.is_empty() || method.is_server_streaming(), "{line}");
         if method.name() == "SubmitJob" {

@@ -63,5 +63,17 @@ fn the_python_package_submits_watches_and_draws() {
     let printed = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{printed}{}", String::from_utf8_lossy(&output.stderr));
     assert!(printed.contains("SUCCEEDED after"), "{printed}");
+    for (wrong, code, text) in [
+        (["--server", "127.0.0.1:1"], 3, "no server without TLS answers at 127.0.0.1:1"),
+        (["--machine", "fanuc-mil"], 2, "no machine 'fanuc-mil': the server has"),
+    ] {
+        let mut example = Command::new(&python);
+        example.arg(examples.join("python/submit_and_watch.py")).args(["--server", &address]).args(wrong);
+        example.arg(examples.join("two-turret/upper.nc")).env("PYTHONPATH", &out).env("PYTHONDONTWRITEBYTECODE", "1");
+        let output = example.output().unwrap();
+        let printed = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), printed.lines().count()), (Some(code), 1), "{printed}");
+        assert!(printed.contains(text), "{printed}");
+    }
     assert!(std::fs::read_to_string(drawing).unwrap().starts_with("<svg"));
 }

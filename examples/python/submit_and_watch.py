@@ -5,7 +5,7 @@ import argparse
 import pathlib
 import sys
 
-from counterpoint import Client, Event, JobFailed, draw, print_progress
+from counterpoint import Client, Event, JobFailed, UnknownMachine, Unreachable, draw, print_progress
 
 
 def show(event: Event) -> None:
@@ -13,6 +13,14 @@ def show(event: Event) -> None:
 
 
 def main() -> int:
+    try:
+        return run()
+    except (OSError, UnknownMachine, ValueError) as error:
+        print(error, file=sys.stderr)
+        return 3 if isinstance(error, Unreachable) else 2
+
+
+def run() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--server", default="127.0.0.1:7878", metavar="HOST:PORT")
     parser.add_argument("--machine", default="fanuc-mill", metavar="NAME")

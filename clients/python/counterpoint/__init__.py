@@ -9,7 +9,19 @@
 The modules in counterpoint.v1 are generated from the contract (generate.py).
 """
 
-from .client import Client, Event, JobFailed, Progress, print_progress
+from .client import Client, Event, JobFailed, Progress, UnknownMachine, Unreachable, print_progress
 from .timeline import Bar, Channel, Timeline, draw
 
-__all__ = ["Bar", "Channel", "Client", "Event", "JobFailed", "Progress", "Timeline", "draw", "print_progress"]
+__all__ = [
+    "Bar",
+    "Channel",
+    "Client",
+    "Event",
+    "JobFailed",
+    "Progress",
+    "Timeline",
+    "UnknownMachine",
+    "Unreachable",
+    "draw",
+    "print_progress",
+]

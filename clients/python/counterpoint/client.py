@@ -12,7 +12,8 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Named
 import grpc
 
 from .timeline import Timeline
-from .v1 import blobs_pb2, blobs_pb2_grpc, event_pb2, jobs_pb2, jobs_pb2_grpc, results_pb2, results_pb2_grpc
+from .v1 import blobs_pb2, blobs_pb2_grpc, event_pb2, jobs_pb2, jobs_pb2_grpc
+from .v1 import machines_pb2, machines_pb2_grpc, results_pb2, results_pb2_grpc
 
 CHUNK = 64 * 1024
 #: Longest time without a message on a watch, s.
@@ -45,6 +46,14 @@ class JobFailed(Exception):
     """A job that could not be run at all."""
 
 
+class Unreachable(ConnectionError):
+    """No server answers at the address."""
+
+
+class UnknownMachine(LookupError):
+    """A machine that the server does not have; the text names those that it has."""
+
+
 T = TypeVar("T")
 Show = Callable[[List[Progress]], None]
 Programs = Union[Sequence[Union[str, pathlib.Path]], Mapping[str, bytes]]
@@ -61,7 +70,9 @@ class Client:
     """A connection to a server.
 
     address: HOST:PORT. token: sent with every call. credentials: for a server with TLS
-    (grpc.ssl_channel_credentials). patience: seconds after which a call that always fails gives up.
+    (grpc.ssl_channel_credentials). patience: seconds after which a call that always fails gives up. reach: seconds
+    within which the server must answer for the first time; afterwards patience applies. Raises Unreachable if no
+    server answers at the address.
     """
 
     def __init__(
@@ -70,6 +81,7 @@ class Client:
         token: Optional[str] = None,
         credentials: Optional[grpc.ChannelCredentials] = None,
         patience: float = 60.0,
+        reach: float = 1.5,
     ) -> None:
         options = [("grpc.keepalive_time_ms", 30_000), ("grpc.keepalive_timeout_ms", 10_000)]
         if credentials is None:
@@ -81,6 +93,17 @@ class Client:
         self._jobs = jobs_pb2_grpc.JobsStub(self._channel)
         self._blobs = blobs_pb2_grpc.BlobsStub(self._channel)
         self._results = results_pb2_grpc.ResultsStub(self._channel)
+        self._machines = machines_pb2_grpc.MachinesStub(self._channel)
+        self._reach(address, credentials is not None, reach)
+
+    def _reach(self, address: str, secure: bool, reach: float) -> None:
+        """Waits for the first connection."""
+        try:
+            grpc.channel_ready_future(self._channel).result(timeout=reach)
+        except grpc.FutureTimeoutError:
+            self._channel.close()
+            kind = "server with TLS" if secure else "server without TLS"
+            raise Unreachable(f"no {kind} answers at {address}: check the address, or start counterpointd") from None
 
     def __enter__(self) -> "Client":
         return self
@@ -102,7 +125,7 @@ class Client:
         """Submits programs, left to right onto the channels; returns the id of the job.
 
         programs: paths, or contents by name; a path may be given for several channels. Raises ValueError if two
-        files of one name differ. When this returns, the job is on the disk of the server. The request is repeated
+        files of one name differ, and UnknownMachine. When this returns, the job is on the disk of the server. The request is repeated
         with its id after a lost connection, so the job is accepted once.
         """
         named = _named(programs)
@@ -118,8 +141,19 @@ class Client:
         for name, digest in digests.items():
             request.files.add(path=name, digest=digest)
         self._upload(contents)
-        answer = self._again(lambda: self._jobs.SubmitJob(request, metadata=self._metadata))
+        try:
+            answer = self._again(lambda: self._jobs.SubmitJob(request, metadata=self._metadata))
+        except grpc.RpcError as error:
+            if error.code() == grpc.StatusCode.NOT_FOUND and error.details() == f"no machine '{machine}'":
+                raise UnknownMachine(f"no machine '{machine}': the server has {', '.join(self.machines())}") from None
+            raise
         return str(answer.status.job_id)
+
+    def machines(self) -> List[str]:
+        """Names of the machines of the server."""
+        request = machines_pb2.ListMachinesRequest()
+        answer = self._again(lambda: self._machines.ListMachines(request, metadata=self._metadata))
+        return [machine.name for machine in answer.machines]
 
     def _upload(self, contents: Mapping[str, bytes]) -> None:
         question = blobs_pb2.FindMissingRequest(digests=list(contents))

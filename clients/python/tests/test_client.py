@@ -2,12 +2,13 @@
 
 import os
 import pathlib
+import socket
 import tempfile
 import time
 import unittest
 import xml.dom.minidom
 
-from counterpoint import Client, JobFailed, draw
+from counterpoint import Client, JobFailed, UnknownMachine, Unreachable, draw
 from counterpoint.v1 import jobs_pb2
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "examples" / "two-turret"
@@ -60,6 +61,19 @@ class Against(unittest.TestCase):
 
     def status(self, job: str) -> int:
         return self.client._jobs.GetJob(jobs_pb2.GetJobRequest(job_id=job)).status.state
+
+    def test_a_wrong_port_fails_at_once_with_a_sentence(self) -> None:
+        with socket.socket() as closed:
+            closed.bind(("127.0.0.1", 0))
+            address = f"127.0.0.1:{closed.getsockname()[1]}"
+            begin = time.monotonic()
+            with self.assertRaisesRegex(Unreachable, f"no server without TLS answers at {address}"):
+                Client(address)
+            self.assertLess(time.monotonic() - begin, 2)
+
+    def test_an_unknown_machine_names_the_machines(self) -> None:
+        with self.assertRaisesRegex(UnknownMachine, "no machine 'fanuc-mil': the server has .*fanuc-mill, .*okuma-mill"):
+            self.client.submit("fanuc-mil", {"a.nc": b"O1\nM30\n"})
 
     def test_a_file_serves_several_channels_and_names_are_unique(self) -> None:
         program = EXAMPLES / "upper.nc"
