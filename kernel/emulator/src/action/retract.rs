@@ -15,6 +15,9 @@ use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::unit;
 use counterpoint_motion::frame::plane::UNITS;
 
+/// A tool that is beyond the reference point by less than this is at it.
+const ROUNDING: f64 = 1e-6;
+
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::RETRACT_TOOL], |act, _, _| back(act))];
 
@@ -60,8 +63,8 @@ pub(super) fn go(act: &mut Act<'_, '_>, coded: u8, target: Position, rate: Rate)
     }
 }
 
-/// Retracts the tool along its axis; below zero up to the reference point of the axis that moves most, if that lies
-/// ahead, or to the end of travel.
+/// Retracts the tool along its axis; below zero up to the reference point of the axis that moves most, unless the tool is
+/// beyond that, or to the end of travel.
 pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
     let mut machine = act.machine_point(&act.state.place.position);
     let Some(along) = along(act, &machine) else { return Ok(()) };
@@ -78,7 +81,7 @@ pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
         });
         // The limits of a large machine are beyond the reference point of a smaller one, at which the axis ends.
         let steepest = axes.iter().max_by(|(_, one), (_, other)| one.abs().total_cmp(&other.abs()));
-        let home = steepest.map(|one| of(one, act.state.place.layout.axes[one.0].home)).filter(|way| *way > 0.0);
+        let home = steepest.map(|one| of(one, act.state.place.layout.axes[one.0].home)).filter(|way| *way > -ROUNDING);
         ends.chain(home).min_by(f64::total_cmp).unwrap_or(0.0).max(0.0)
     } else {
         way
