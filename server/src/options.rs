@@ -30,8 +30,6 @@ pub struct Options {
     pub workers: usize,
     /// Jobs that may wait in the queue.
     pub queue: usize,
-    /// Memory of jobs that have not ended, submits in progress and answers not yet sent, bytes; 0 = without limit.
-    pub memory_bytes: u64,
     /// Runs begun before a job that takes the server down with it is given up.
     pub attempts: u32,
     /// Seconds that running jobs get to end after a stop signal.
@@ -44,7 +42,7 @@ pub struct Options {
     /// Commands of the operating system, and the operator.
     #[serde(flatten)]
     pub system: System,
-    /// The maxima of every request.
+    /// The maxima of every request, and of all together.
     #[serde(flatten)]
     pub maxima: Maxima,
     /// The quotas of one tenant.
@@ -88,7 +86,6 @@ impl Default for Options {
             data: PathBuf::from("counterpoint-data"),
             workers: 0,
             queue: 1000,
-            memory_bytes: 512 << 20,
             attempts: 3,
             grace_s: 30,
             min_free_bytes: 256 << 20,
@@ -189,9 +186,6 @@ pub struct Flags {
     /// Jobs that may wait in the queue
     #[arg(long, env = "COUNTERPOINT_QUEUE", value_name = "N")]
     pub queue: Option<usize>,
-    /// Memory of jobs that have not ended, submits in progress and answers not yet sent, bytes; 0 = without limit
-    #[arg(long, env = "COUNTERPOINT_MEMORY_BYTES", value_name = "BYTES")]
-    pub memory_bytes: Option<u64>,
     /// Runs begun before a job that takes the server down with it is given up
     #[arg(long, env = "COUNTERPOINT_ATTEMPTS", value_name = "N")]
     pub attempts: Option<u32>,
@@ -234,7 +228,6 @@ impl Flags {
         set(&mut options.data, self.data);
         set(&mut options.workers, self.workers);
         set(&mut options.queue, self.queue);
-        set(&mut options.memory_bytes, self.memory_bytes);
         set(&mut options.attempts, self.attempts);
         set(&mut options.grace_s, self.grace_s);
         set(&mut options.min_free_bytes, self.min_free_bytes);

@@ -17,6 +17,7 @@ use super::recent::Recent;
 use super::tally::Tally;
 use super::{Core, worker};
 use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
+use crate::memory::Memory;
 use crate::queue::{Entry, Queue, Ticket};
 use crate::reason::Refusal;
 
@@ -43,6 +44,8 @@ pub(super) struct Board {
     /// Jobs with a deadline that has not been reached, in its order.
     deadlines: Mutex<BTreeSet<(i64, String)>>,
     pub(super) feed: Feed,
+    /// Of jobs here, of submits in progress and of answers not yet sent.
+    pub(super) memory: Arc<Memory>,
     /// Jobs on worker threads.
     running: watch::Sender<usize>,
     pub(super) tally: Tally,
@@ -58,13 +61,14 @@ pub(crate) struct Busy {
 }
 
 impl Board {
-    pub(super) fn new(queue: Box<dyn Queue>, epoch: u64) -> Self {
+    pub(super) fn new(queue: Box<dyn Queue>, epoch: u64, memory_bytes: u64) -> Self {
         Self {
             live: DashMap::new(),
             queue: Mutex::new(Waiting { jobs: queue, reserved: HashMap::new(), suspended: BTreeMap::new() }),
             recent: Mutex::default(),
             deadlines: Mutex::default(),
             feed: Feed::new(epoch),
+            memory: Memory::new(memory_bytes),
             running: watch::Sender::new(0),
             tally: Tally::default(),
             ticked: Mutex::new(Instant::now()),

@@ -86,7 +86,6 @@ pub(crate) struct Core {
     pub(crate) runner: Box<dyn Runner>,
     pub(crate) drain: Drain,
     pub(crate) metrics: Arc<Metrics>,
-    pub(crate) memory: Arc<Memory>,
     pub(crate) streams: Arc<Streams>,
     pub(crate) connections: Arc<Connections>,
     flusher: Flusher,
@@ -113,7 +112,7 @@ impl Core {
         let core = Arc::new(Self {
             flusher: Flusher::start()?,
             ends: Ends::start(spans)?,
-            board: Board::new(queue, ledger.epoch()),
+            board: Board::new(queue, ledger.epoch(), options.maxima.memory_bytes),
             ledger,
             machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
             host,
@@ -122,7 +121,6 @@ impl Core {
             runner,
             drain: Drain::new(),
             metrics,
-            memory: Memory::new(options.memory_bytes),
             streams: Arc::default(),
             connections: Arc::default(),
             shares: Shares::new(&options),
@@ -268,9 +266,14 @@ impl Core {
         }
     }
 
+    /// The memory budget of the server.
+    pub(crate) fn memory(&self) -> &Arc<Memory> {
+        &self.board.memory
+    }
+
     /// A job that is in memory from now on.
     fn in_memory(&self, record: Record) -> Arc<Live> {
-        let taken = self.memory.count(record.bytes());
+        let taken = self.board.memory.count(record.bytes());
         Arc::new(Live::counted(record, Some(taken)))
     }
 

@@ -40,7 +40,7 @@ macro_rules! group {
 }
 
 group! {
-    /// The maxima of every request.
+    /// The maxima of every request, and of all together.
     Maxima, MaximaFlags {
         /// Largest blob, bytes
         max_blob_bytes: u64 = 256 << 20, "COUNTERPOINT_MAX_BLOB_BYTES", "BYTES";
@@ -68,6 +68,9 @@ group! {
         max_diagnostics: u32 = MOST.diagnostics, "COUNTERPOINT_MAX_DIAGNOSTICS", "N";
         /// Most memory for variables, texts, files and results of a job, bytes
         max_memory: u64 = 256 << 20, "COUNTERPOINT_MAX_MEMORY", "BYTES";
+        /// Most memory of jobs that have not ended, submits in progress and answers not yet sent, bytes; 0 = without
+        /// limit
+        memory_bytes: u64 = 512 << 20, "COUNTERPOINT_MEMORY_BYTES", "BYTES";
         /// Most steps of macros of a channel
         max_macro_steps: u64 = MOST.macro_steps, "COUNTERPOINT_MAX_MACRO_STEPS", "N";
         /// Most bytes of all files of a machine

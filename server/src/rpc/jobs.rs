@@ -45,7 +45,7 @@ impl Service for Jobs {
         let parent = request.metadata().get("traceparent").and_then(|value| value.to_str().ok()).unwrap_or_default();
         let traceparent = trace::parse(parent).map_or_else(String::new, |_| parent.trim().to_owned());
         let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
-        let _taken = core.memory.take(SUBMIT_COPIES * request.encoded_len() as u64)?;
+        let _taken = core.memory().take(SUBMIT_COPIES * request.encoded_len() as u64)?;
         let tenant = caller.tenant().to_owned();
         let (mut record, work) = blocking(move || submit::record(&core, &tenant, request)).await?;
         record.runs.traceparent = traceparent;
@@ -76,7 +76,7 @@ impl Service for Jobs {
                 status: Some(status(record)),
                 description,
             };
-            let taken = core.memory.take(ANSWER_COPIES * answer.encoded_len() as u64)?;
+            let taken = core.memory().take(ANSWER_COPIES * answer.encoded_len() as u64)?;
             Ok(counted(answer, taken))
         };
         Ok(blocking(read).await?)
@@ -107,7 +107,7 @@ impl Service for Jobs {
                 ..filter.query(&tenant, core.busy(), size)
             };
             let page = core.ledger.jobs(&query)?;
-            let taken = core.memory.take(ANSWER_COPIES * page.bytes)?;
+            let taken = core.memory().take(ANSWER_COPIES * page.bytes)?;
             let mut jobs: Vec<_> = page.jobs.into_iter().map(|record| status(core.current(record))).collect();
             for (job, short_id) in jobs.iter_mut().zip(page.short_ids) {
                 job.short_id = short_id;

@@ -187,7 +187,12 @@ async fn a_job_that_takes_more_memory_than_its_budget_fails_alone() {
 #[tokio::test]
 async fn requests_beyond_the_memory_budget_are_refused_and_fit_again_when_jobs_have_ended() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { memory_bytes: 100_000, workers: 1, ..options(folder.path()) }).await;
+    let server = Server::start(Options {
+        maxima: Maxima { memory_bytes: 100_000, ..Maxima::default() },
+        workers: 1,
+        ..options(folder.path())
+    })
+    .await;
     let mut request = server.request("large", "EVENTS 1").await;
     let text = v1::DialogValue { value: Some(v1::dialog_value::Value::Text("x".repeat(20_000))) };
     let answer = v1::DialogAnswer { dialog: "D".into(), values: [("V".to_owned(), text)].into(), ..Default::default() };
