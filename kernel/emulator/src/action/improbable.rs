@@ -5,12 +5,13 @@
 
 use crate::act::Act;
 use crate::action::thread::EVEN;
+use crate::action::time::Path;
 use crate::state::spindle::Turning;
 use counterpoint_event::event::{Direction, FeedUnit};
 use counterpoint_fault as diag;
-use counterpoint_fault::Acted;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::kind::cycle::HoleCycle;
-use counterpoint_machine::index::AxisSlot;
+use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Feeds from here on are a way to ask for the highest one, units per minute.
 const HIGHEST: f64 = 99_999.0;
@@ -39,9 +40,9 @@ impl Act<'_, '_> {
 
     /// Looks at a feed per minute that is above [`look_above`](crate::state::plausible::Plausible).
     #[cold]
-    pub(super) fn look_at_feed(&mut self, feed: f64) -> Acted {
-        self.reports.plausible.look_above = f64::INFINITY;
-        self.look_at_spindle()?;
+    pub(super) fn look_at_feed(&mut self, feed: f64, path: &Path<'_>) -> Acted {
+        let again = self.look_at_spindle(path)?;
+        self.reports.plausible.look_above = if again { 0.0 } else { f64::INFINITY };
         if self.reports.plausible.feed {
             return Ok(());
         }
@@ -51,7 +52,7 @@ impl Act<'_, '_> {
             return Ok(());
         }
         if feed <= fastest || feed >= HIGHEST {
-            self.reports.plausible.look_above = fastest;
+            self.reports.plausible.look_above = if again { 0.0 } else { fastest };
             return Ok(());
         }
         self.reports.plausible.feed = true;
@@ -63,22 +64,43 @@ impl Act<'_, '_> {
         Ok(())
     }
 
-    /// Reports the first move at feed while the spindle is off, where the machine asks for it.
-    fn look_at_spindle(&mut self) -> Acted {
+    /// Reports the first move at feed while the spindle is off, where the machine asks for it; returns whether the next
+    /// move has to be looked at as well, because this one is an exception.
+    fn look_at_spindle(&mut self, path: &Path<'_>) -> Result<bool, Halt> {
         let asked = self.env.machine.habits.feed_needs_spindle && !self.reports.plausible.spindle;
         let own = self.state.spindle.id.is_some() && !self.state.spindle.shared;
-        if !(asked && own) || self.spindle_speed()?.is_some() || self.needs_no_rotation() {
-            return Ok(());
+        if !(asked && own) {
+            return Ok(false);
+        }
+        if self.taps() {
+            return Ok(true);
+        }
+        if self.spindle_speed()?.is_some() {
+            return Ok(false);
+        }
+        // Stopped at an angle on purpose: fine boring, broaching.
+        if self.state.spindle.command.direction == Direction::Oriented {
+            return Ok(false);
+        }
+        if self.only_turns(path) {
+            return Ok(true);
         }
         self.reports.plausible.spindle = true;
         let text = format!("the move at feed in '{}' begins while the spindle is off", self.block_text());
         self.diagnose(&diag::SPINDLE_OFF, text);
-        Ok(())
+        Ok(false)
     }
 
-    /// Whether the spindle is stopped at an angle on purpose (fine boring, broaching), or a tapping cycle turns it.
-    fn needs_no_rotation(&self) -> bool {
-        let taps = HoleCycle::numbered(self.state.cycle.number).is_some_and(HoleCycle::taps);
-        self.state.spindle.command.direction == Direction::Oriented || self.state.cycle.running && taps
+    /// Whether a tapping cycle runs, which turns the spindle itself.
+    fn taps(&self) -> bool {
+        self.state.cycle.running && HoleCycle::numbered(self.state.cycle.number).is_some_and(HoleCycle::taps)
+    }
+
+    /// Whether only rotary axes move: they position the part or the head.
+    fn only_turns(&self, path: &Path<'_>) -> bool {
+        let moves = |slot: AxisSlot| path.from.at(slot) != path.to.at(slot);
+        let mut moving = self.state.place.layout.axes.entries().filter(|(slot, _)| moves(*slot)).peekable();
+        // A whole circle ends where it begins.
+        moving.peek().is_some() && moving.all(|(_, axis)| axis.rotary)
     }
 }

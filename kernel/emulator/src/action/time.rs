@@ -120,7 +120,7 @@ impl Act<'_, '_> {
         Ok(match unit {
             FeedUnit::PerMinute => {
                 if feed > self.reports.plausible.look_above {
-                    self.look_at_feed(feed)?;
+                    self.look_at_feed(feed, path)?;
                 }
                 self.paced(path, feed / 60.0)
             }
