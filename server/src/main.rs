@@ -99,11 +99,13 @@ fn run(command: &Command, options: &Options) -> ExitCode {
         }
         Command::Doctor { data: own, repair } => return examine(own.as_deref().unwrap_or(data), *repair),
         Command::Backup { to, data: own } => {
+            keep_private();
             backup::backup(own.as_deref().unwrap_or(data), to).map(|Contents { jobs, blobs, left_out }| {
                 println!("{jobs} jobs, {blobs} blobs, {left_out} jobs left out: {}", to.display());
             })
         }
         Command::Restore { from, damaged, data: own } => {
+            keep_private();
             let to = own.as_deref().unwrap_or(data);
             backup::restore(from, to, *damaged).map(|()| println!("restored: {}", to.display()))
         }
@@ -170,6 +172,7 @@ fn main() -> ExitCode {
         return run(&command, &options);
     }
     logging();
+    keep_private();
     match tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .thread_name("rpc")
@@ -182,6 +185,12 @@ fn main() -> ExitCode {
         },
         Err(error) => fail(3, &error),
     }
+}
+
+/// Files and folders that the server makes are for its own user only.
+fn keep_private() {
+    #[cfg(unix)]
+    rustix::process::umask(rustix::fs::Mode::from_raw_mode(0o077));
 }
 
 fn fail(code: u8, error: &dyn std::error::Error) -> ExitCode {

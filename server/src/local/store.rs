@@ -35,6 +35,19 @@ pub(crate) struct Store {
     marks: Arc<Marks>,
 }
 
+/// Closes the folder for all users but that of the server.
+fn keep_private(root: &Path) {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        if let Err(error) = fs::set_permissions(root, fs::Permissions::from_mode(0o700)) {
+            tracing::warn!(%error, folder = %root.display(), "other users may be able to read the data folder");
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = root;
+}
+
 impl Store {
     /// Takes the folder for this server, creates missing parts and empties `tmp`.
     pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
@@ -42,6 +55,7 @@ impl Store {
         let root = std::path::absolute(root)?;
         let new = !root.is_dir();
         fs::create_dir_all(&root)?;
+        keep_private(&root);
         let lock = Arc::new(FolderLock::take(&root)?);
         let store = Self {
             marks: Arc::new(Marks::of(&root.join("marks"), disk.clone())?),
