@@ -62,6 +62,11 @@ pub(crate) fn name(path: &str) -> &'static str {
 /// Calls that are answered when the client or a job has done something, and streams that follow a job.
 const LASTING: &[&str] = &["WatchJob", "WaitJob", "Upload", "Attend", "Debug"];
 
+/// Whether the call of a path ends with the rights of its caller: it may last for hours.
+pub(crate) fn ends_with_rights(path: &str) -> bool {
+    lasts(path) || name(path) == "WatchJobs"
+}
+
 /// Whether the call of a path may last however fast the server is.
 pub(crate) fn lasts(path: &str) -> bool {
     LASTING.contains(&name(path))

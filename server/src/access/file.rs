@@ -108,14 +108,14 @@ impl Known {
         Ok(known)
     }
 
-    /// The identity of a token of this file.
-    pub(super) fn token(&self, token: &str, now_s: u64) -> Option<Arc<Identity>> {
+    /// The identity of a token of this file, and when that ends, seconds since 1970.
+    pub(super) fn token(&self, token: &str, now_s: u64) -> Option<(Arc<Identity>, u64)> {
         let digest = token::digest(token);
         let mut found = None;
         for candidate in self.tokens.get(&first(&digest)).into_iter().flatten() {
             let valid = candidate.expires_s.is_none_or(|at| now_s < at);
             if token::same(&candidate.digest, &digest) && valid {
-                found = Some(candidate.identity.clone());
+                found = Some((candidate.identity.clone(), candidate.expires_s.unwrap_or(u64::MAX)));
             }
         }
         found
@@ -167,8 +167,9 @@ mod tests {
         let (token, row) = token::create("ci", "milling", Role::Submit, Some(1000)).unwrap();
         let (other, _) = token::create("ci", "milling", Role::Submit, None).unwrap();
         let known = Known::parse(&row).unwrap();
-        let identity = known.token(&token, 999).unwrap();
+        let (identity, until) = known.token(&token, 999).unwrap();
         assert_eq!((identity.name.as_str(), identity.tenant.as_str(), identity.role), ("ci", "milling", Role::Submit));
+        assert_eq!(until, 1000);
         assert!(known.token(&token, 1000).is_none(), "expired");
         assert!(known.token(&other, 0).is_none() && known.token("", 0).is_none());
         assert!(!row.contains(&token), "the file holds no token");

@@ -10,6 +10,7 @@ pub(crate) mod fair;
 mod file;
 mod jwt;
 mod rate;
+mod rights;
 pub mod token;
 
 use std::collections::HashMap;
@@ -17,8 +18,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
-use http::HeaderMap;
+use http::{HeaderMap, HeaderValue};
 use serde::{Deserialize, Serialize};
+use tokio::sync::watch;
 use tonic::{Request, Status};
 
 use crate::options::Guard;
@@ -124,6 +126,8 @@ pub(crate) struct Access {
     rates: Rates,
     pub(crate) fair: Fair,
     everybody: Arc<Identity>,
+    /// How often the file of identities was read again.
+    reloads: watch::Sender<u64>,
 }
 
 impl Access {
@@ -139,6 +143,7 @@ impl Access {
             rates: Rates::new(options.max_calls_per_s),
             fair: Fair::default(),
             everybody: Arc::new(everybody),
+            reloads: watch::Sender::new(0),
         })
     }
 
@@ -148,6 +153,7 @@ impl Access {
         let known = Arc::new(Known::read(path)?);
         *self.known.write().unwrap_or_else(PoisonError::into_inner) = Some(known);
         self.verified.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.reloads.send_modify(|reloads| *reloads += 1);
         Ok(())
     }
 
@@ -162,7 +168,8 @@ impl Access {
         if needs == Needs::Nothing {
             return Ok(Admitted { caller: None, wait: None });
         }
-        let identity = self.identify(headers, names).map_err(|refusal| (None, refusal))?;
+        let authorization = headers.get(http::header::AUTHORIZATION);
+        let (identity, _) = self.identify(authorization, names).map_err(|refusal| (None, refusal))?;
         let caller = Caller::new(identity);
         let role = match needs {
             Needs::Role(role) => role,
@@ -180,14 +187,18 @@ impl Access {
         }
     }
 
-    /// The caller: a token says more than the certificate of the connection.
-    fn identify(&self, headers: &HeaderMap, names: &CertificateNames) -> Result<Arc<Identity>, Refusal> {
+    /// The caller, and when that ends, seconds since 1970: a token says more than the certificate of the connection.
+    fn identify(
+        &self,
+        authorization: Option<&HeaderValue>,
+        names: &CertificateNames,
+    ) -> Result<(Arc<Identity>, u64), Refusal> {
         let Some(known) = self.known.read().unwrap_or_else(PoisonError::into_inner).clone() else {
-            return Ok(self.everybody.clone());
+            return Ok((self.everybody.clone(), u64::MAX));
         };
         let refuse = |text: &str| Refusal::Unauthenticated(text.to_owned());
-        let Some(header) = headers.get(http::header::AUTHORIZATION) else {
-            return known.certificate(&names.0).ok_or_else(|| {
+        let Some(header) = authorization else {
+            return known.certificate(&names.0).map(|identity| (identity, u64::MAX)).ok_or_else(|| {
                 refuse("the call needs a token (metadata 'authorization: Bearer TOKEN') or a known client certificate")
             });
         };
@@ -202,13 +213,13 @@ impl Access {
         }
     }
 
-    fn signed(&self, known: &Known, token: &str) -> Result<Arc<Identity>, Refusal> {
+    fn signed(&self, known: &Known, token: &str) -> Result<(Arc<Identity>, u64), Refusal> {
         let digest = token::digest(token);
         let verified = || self.verified.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((identity, until)) = verified().get(&digest)
             && jwt::now_s() < *until
         {
-            return Ok(identity.clone());
+            return Ok((identity.clone(), *until));
         }
         let (identity, until) = known.signed(token).map_err(Refusal::Unauthenticated)?;
         let identity = Arc::new(identity);
@@ -217,6 +228,6 @@ impl Access {
             verified.clear();
         }
         verified.insert(digest, (identity.clone(), until));
-        Ok(identity)
+        Ok((identity, until))
     }
 }

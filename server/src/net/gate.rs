@@ -6,11 +6,13 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use http::{Request, Response};
+use http::header::AUTHORIZATION;
+use http::{HeaderMap, Request, Response};
 use hyper::body::Incoming;
 use tonic::body::Body;
 use tonic::{Code, Status};
 
+use super::held::Ended;
 use super::tls::Tls;
 use super::web::Web;
 use crate::access::audit::Audit;
@@ -83,6 +85,20 @@ impl Gate {
             request.extensions_mut().insert(caller.clone());
         }
         Ok(admitted)
+    }
+
+    /// Returns when a call that may last for hours has lost its rights; `None` for other calls.
+    pub(super) fn rights(
+        self: &Arc<Self>,
+        headers: &HeaderMap,
+        names: &CertificateNames,
+        caller: Option<&Caller>,
+        path: &str,
+    ) -> Option<Ended> {
+        let caller = caller.filter(|_| calls::ends_with_rights(path))?;
+        let rights = self.access.rights(headers.get(AUTHORIZATION), names, caller);
+        let gate = self.clone();
+        Some(Box::pin(async move { gate.access.ended(rights).await }))
     }
 
     /// The answer to a call that does not pass.

@@ -12,10 +12,22 @@ use tonic::body::Body;
 use crate::access::fair::Stay;
 use crate::connections::Call;
 use crate::memory::Taken;
+use crate::reason::Refusal;
+
+/// Ready when a call has lost its rights.
+pub(super) type Ended = Pin<Box<dyn Future<Output = ()> + Send>>;
+
+/// The answer to a call that has lost its rights.
+pub(super) fn revoked() -> Status {
+    Refusal::Unauthenticated("the identity of the call was revoked or has expired".to_owned()).into()
+}
 
 /// A body and its call.
 pub(super) struct Held {
     body: Body,
+    ended: Option<Ended>,
+    /// The last frame was sent.
+    over: bool,
     _call: Call,
     _stay: Option<Stay>,
     _taken: Option<Arc<Taken>>,
@@ -23,7 +35,14 @@ pub(super) struct Held {
 
 impl Held {
     pub(super) fn new(body: Body, call: Call, stay: Option<Stay>, taken: Option<Arc<Taken>>) -> Self {
-        Self { body, _call: call, _stay: stay, _taken: taken }
+        Self { body, ended: None, over: false, _call: call, _stay: stay, _taken: taken }
+    }
+}
+
+impl Held {
+    /// The body of a call that ends with its rights.
+    pub(super) fn until(self, ended: Option<Ended>) -> Self {
+        Self { ended, ..self }
     }
 }
 
@@ -32,14 +51,25 @@ impl http_body::Body for Held {
     type Error = Status;
 
     fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, Status>>> {
+        if self.over {
+            return Poll::Ready(None);
+        }
+        if let Some(ended) = &mut self.ended
+            && ended.as_mut().poll(cx).is_ready()
+        {
+            // The service sees that its client has gone.
+            (self.body, self.ended, self.over) = (Body::empty(), None, true);
+            let trailers = revoked().into_http::<Body>().headers().clone();
+            return Poll::Ready(Some(Ok(Frame::trailers(trailers))));
+        }
         Pin::new(&mut self.body).poll_frame(cx)
     }
 
     fn is_end_stream(&self) -> bool {
-        self.body.is_end_stream()
+        self.over || self.body.is_end_stream()
     }
 
     fn size_hint(&self) -> SizeHint {
-        self.body.size_hint()
+        if self.over { SizeHint::with_exact(0) } else { self.body.size_hint() }
     }
 }

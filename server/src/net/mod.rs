@@ -290,6 +290,7 @@ async fn answer(
         }
     };
     let path = request.uri().path().to_owned();
+    let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
     let mut stay = None;
     let answered = async {
         let (turn, long) = peer.gate.turn(caller.as_ref(), &path).await;
@@ -297,6 +298,15 @@ async fn answer(
         let answer = ask(routes, request.map(Body::new), peer.gate.web.is_some()).await;
         drop(turn);
         answer
+    };
+    let answered = async {
+        match &mut rights {
+            None => answered.await,
+            Some(ended) => tokio::select! {
+                answer = answered => answer,
+                () = ended => Ok(held::revoked().into_http()),
+            },
+        }
     };
     let response = match deadline {
         None => answered.await?,
@@ -311,7 +321,7 @@ async fn answer(
         web::allow(response.headers_mut(), origin);
     }
     let taken = response.extensions_mut().remove();
-    Ok(response.map(|body| Held::new(body, call, stay, taken)))
+    Ok(response.map(|body| Held::new(body, call, stay, taken).until(rights)))
 }
 
 /// Gives the status of a call that the transport has refused the details that all refusals have.

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use counterpoint_proto::v1;
-use counterpoint_server::access::Role;
+use counterpoint_server::access::{Role, token};
 use counterpoint_server::options::{Guard, Options, System};
 use counterpoint_server::service;
 use serde_json::Value;
@@ -108,6 +108,65 @@ async fn a_revoked_token_is_refused_after_a_reload_and_a_broken_file_changes_not
     std::fs::write(&access, "[[token]]\nname = 1").unwrap();
     let error = service::build(options).await.unwrap_err().to_string();
     assert!(error.contains("access.toml"), "{error}");
+}
+
+/// Watches and waiting calls end within a second after their identity was revoked or has expired; jobs and the calls of
+/// other identities continue.
+#[tokio::test]
+async fn open_calls_end_with_the_rights_of_their_identity() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let access = options.guard.access.clone();
+    let stays = grant(&options, "stays", "default", Role::Submit);
+    let kept = std::fs::read_to_string(&access).unwrap();
+    let revoked = grant(&options, "revoked", "default", Role::Operate);
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs();
+    let (expires, row) = token::create("expires", "default", Role::Read, Some(now + 2)).unwrap();
+    let rows = std::fs::read_to_string(&access).unwrap() + &row;
+    std::fs::write(&access, rows).unwrap();
+    let server = Server::start(options).await;
+    let [stays, revoked, expires] = [stays, revoked, expires].map(|token| As::new(&server, &token));
+    let job = stays.submit("r", "fanuc-2path-lathe", "HANG").await.unwrap().job_id;
+    let watch = async |caller: &As| {
+        let request = v1::WatchJobRequest { job_id: job.clone(), heartbeat_ms: 100, ..Default::default() };
+        caller.jobs().watch_job(request).await.unwrap().into_inner()
+    };
+    let (mut open, mut short, mut other) = (watch(&stays).await, watch(&expires).await, watch(&revoked).await);
+    let mut many = revoked.jobs().watch_jobs(v1::WatchJobsRequest::default()).await.unwrap().into_inner();
+    let mut waiting = revoked.jobs();
+    let wait = v1::WaitJobRequest { job_id: job.clone(), timeout_ms: 60_000 };
+    let waiting = tokio::spawn(async move { waiting.wait_job(wait).await.map(drop).unwrap_err() });
+    let expired = loop {
+        if let Err(status) = short.message().await {
+            break status;
+        }
+    };
+    assert_eq!((expired.code(), reason(&expired).as_str()), (Code::Unauthenticated, "UNAUTHENTICATED"));
+    assert!(other.message().await.unwrap().is_some(), "another identity continues");
+    let begin = std::time::Instant::now();
+    std::fs::write(&access, kept).unwrap();
+    server.handle.reload();
+    let first = loop {
+        if let Err(status) = other.message().await {
+            break status;
+        }
+    };
+    let second = loop {
+        if let Err(status) = many.message().await {
+            break status;
+        }
+    };
+    for status in [first, second, waiting.await.unwrap()] {
+        assert_eq!((status.code(), reason(&status).as_str()), (Code::Unauthenticated, "UNAUTHENTICATED"));
+    }
+    assert!(begin.elapsed() < Duration::from_secs(1), "{:?}", begin.elapsed());
+    server.script.hang.store(false, std::sync::atomic::Ordering::SeqCst);
+    while let Some(message) = open.message().await.unwrap() {
+        if let Some(v1::watch_job_response::Content::Ended(status)) = message.content {
+            assert_eq!(status.state(), v1::JobState::Succeeded);
+        }
+    }
+    server.stop().await;
 }
 
 #[tokio::test]

@@ -1,0 +1,60 @@
+//! How long a call may last: until its identity is revoked or expires.
+//!
+//! Invariant: a call that waits for its end holds a timer and its own token; it looks at the identities again only after
+//! they were read again and when its own expires.
+
+use std::time::Duration;
+
+use http::HeaderValue;
+use tokio::sync::watch;
+use tokio::time::sleep;
+
+use super::{Access, Caller, CertificateNames, jwt};
+
+/// Shortest time between two looks at an identity that is about to expire.
+const LOOK: Duration = Duration::from_millis(500);
+/// Longest time that a timer is set for.
+const LONGEST: Duration = Duration::from_secs(86_400);
+
+/// What a caller has shown, and who it was then.
+#[derive(Debug)]
+pub(crate) struct Rights {
+    authorization: Option<HeaderValue>,
+    names: CertificateNames,
+    caller: Caller,
+    reloads: watch::Receiver<u64>,
+}
+
+impl Access {
+    /// The rights of a call that has been admitted.
+    pub(crate) fn rights(
+        &self,
+        authorization: Option<&HeaderValue>,
+        names: &CertificateNames,
+        caller: &Caller,
+    ) -> Rights {
+        Rights {
+            authorization: authorization.cloned(),
+            names: names.clone(),
+            caller: caller.clone(),
+            reloads: self.reloads.subscribe(),
+        }
+    }
+
+    /// Returns when the identity is revoked, has a lower role, or has expired.
+    pub(crate) async fn ended(&self, mut rights: Rights) {
+        loop {
+            rights.reloads.mark_unchanged();
+            let Ok((now, until_s)) = self.identify(rights.authorization.as_ref(), &rights.names) else { return };
+            let before = &rights.caller.identity;
+            if now.tenant != before.tenant || now.role < before.role {
+                return;
+            }
+            let left = Duration::from_secs(until_s.saturating_sub(jwt::now_s())).clamp(LOOK, LONGEST);
+            tokio::select! {
+                changed = rights.reloads.changed() => if changed.is_err() { return },
+                () = sleep(left) => {}
+            }
+        }
+    }
+}
