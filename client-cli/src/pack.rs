@@ -15,7 +15,7 @@ use crate::arguments::Inputs;
 use crate::encoding::Encoding;
 use crate::error::Error;
 use crate::standard_input;
-use crate::subprograms::{Mentionable, best_of_number, by_number, is_taken_by_name, may_call};
+use crate::subprograms::{Mentionable, best_of_number, by_number, holds, is_taken_by_name, may_call};
 
 /// The file that makes a folder a machine.
 pub(crate) const DEFINITION: &str = "machine.toml";
@@ -81,9 +81,9 @@ struct Beside {
 }
 
 impl Beside {
-    /// Whether the program has the number after P or O, as its calls have.
+    /// Whether the program has the number after P or O, as its calls have, and does not contain the program itself.
     fn may_call(&self, number: u32, files: &Files) -> bool {
-        files.0.get(&self.name).is_some_and(|blob| may_call(blob.content(), number))
+        files.0.get(&self.name).is_some_and(|blob| may_call(blob.content(), number) && !holds(blob.content(), number))
     }
 }
 

@@ -53,6 +53,15 @@ pub(crate) fn may_call(text: &[u8], number: u32) -> bool {
     })
 }
 
+/// Whether a program with this number begins on a line of a text: `O0100` or `:100`.
+pub(crate) fn holds(text: &[u8], number: u32) -> bool {
+    text.split(|byte| matches!(byte, b'\n' | b'\r')).any(|line| {
+        let Some((b'O' | b'o' | b':', rest)) = line.trim_ascii_start().split_first() else { return false };
+        let digits = rest.get(..rest.iter().take_while(|byte| byte.is_ascii_digit()).count()).unwrap_or_default();
+        std::str::from_utf8(digits).is_ok_and(|digits| digits.parse() == Ok(number))
+    })
+}
+
 fn is_copy(ending: &str) -> bool {
     let last = ending.rsplit('.').next().unwrap_or_default();
     COPIES.contains(&last) || last.ends_with('~')
@@ -164,6 +173,12 @@ mod tests {
         for name in ["Other.nc", "part.nc", "partner.tps", "readme.md", "L20.SPF"] {
             assert!(!is_taken_by_name(name, "part"), "{name}");
         }
+    }
+
+    #[test]
+    fn a_program_of_a_text_begins_at_its_number() {
+        let text = b"%\nO0001 (MAIN)\nM98 P100\nM30\n o0100\nM99\n:7\nM98 P5 (O0200)\n%";
+        assert_eq!([1, 100, 7, 5, 200, 10].map(|number| holds(text, number)), [true, true, true, false, false, false]);
     }
 
     #[test]
