@@ -57,6 +57,24 @@ fn has_embedded(info: &Info, files: &dyn Files, stop: &Stop) -> bool {
     })
 }
 
+/// Numbers of switched warnings that are diagnostics neither of this project nor of the machine.
+fn unknown_warnings(spec: &Spec) -> Vec<Finding> {
+    let components = spec.machine.components.iter().map(|component| &component.machine);
+    let machines: Vec<_> = components.chain([&spec.machine]).collect();
+    let unknown = |number: &&u32| {
+        counterpoint_fault::severity(**number).is_none()
+            && machines.iter().all(|machine| machine.diagnostics.rule(**number).is_none())
+    };
+    let switched = spec.options.warnings_off.iter().chain(&spec.options.warnings_on);
+    let text = |number: &u32| {
+        format!(
+            "cannot switch the warning {number}: no diagnostic has this number; give the number or the word that stands \
+             before a warning, such as 2900680 or feed-above-rates"
+        )
+    };
+    switched.filter(unknown).map(|number| Finding::error("job", 0, 0, text(number))).collect()
+}
+
 impl Job {
     /// Loads the programs and assigns them to channels.
     ///
@@ -75,6 +93,10 @@ impl Job {
             findings: vec![Finding::error("job", 0, 0, "the job was cancelled before it began")],
             cancelled: true,
         };
+        let unknown = unknown_warnings(&spec);
+        if !unknown.is_empty() {
+            return Err(PrepareError { findings: unknown, cancelled: false });
+        }
         spec.options.limits = spec.options.limits.capped();
         let syntax = |machine: &Machine| counterpoint_dialect::of(machine).syntax();
         let (info, sources) = match counterpoint_program::layout::assign(&spec, syntax, files, stop) {
