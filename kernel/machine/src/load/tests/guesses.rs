@@ -37,7 +37,7 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("O1\nG50 S2500\nG96 S200 M3\nT0101\nG0 X52. Z2.\nM30\n", "fanuc-lathe"),
     ("O1\nT0101\nG0 X52. Z2.\nG1 W-20. F0.2\nU4.\nM30\n", "fanuc-lathe"),
     ("O1\nG71 U2. R1.\nG71 P10 Q20 U0.5 W0.1 F0.2\nM30\n", "fanuc-lathe"),
-    ("G92 S2000\nG96 S180\n(T1 M6 G43 H1 Y5.)\nM30\n", "fanuc-lathe"),
+    ("G50 S2000\nG96 S180\n(T1 M6 G43 H1 Y5.)\nM30\n", "fanuc-lathe"),
     // Only X and Z move, an arc in XZ, feeds per revolution.
     ("O1\nG0 X205. Z10.\nG1 Z0. F0.1\nX192.7\nG3 X193.8 Z-.3 R.6\nG1 X199.9 Z-7.5\nM30\n", "fanuc-lathe"),
     ("O301\nG21 G18 G40 G54\nG90 G95\nG92 S2500\nT0101\nG96 S200 M3\nG0 X52. Z2.\nG91 G1 X2. F0.3\n", "fanuc-lathe-b"),
