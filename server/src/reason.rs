@@ -255,6 +255,19 @@ impl Refusal {
     }
 }
 
+/// Most bytes of a text in a status, which travels in the headers of an answer.
+const TEXT: usize = 1000;
+/// Most bytes of a place and of its text, where there may be 20 of them.
+const PLACE: usize = 200;
+
+/// A text with its end left out if it is long: ids and names in it come from the client.
+fn short(text: &str, most: usize) -> String {
+    match text.get(..text.floor_char_boundary(most)) {
+        Some(begin) if begin.len() < text.len() => format!("{begin}…"),
+        _ => text.to_owned(),
+    }
+}
+
 impl From<Refusal> for Status {
     fn from(refusal: Refusal) -> Self {
         let (reason, code) = refusal.reason();
@@ -262,7 +275,7 @@ impl From<Refusal> for Status {
         details.set_error_info(reason, DOMAIN, refusal.metadata());
         match &refusal {
             Refusal::InvalidField { field, text } => {
-                details.add_bad_request_violation(field, text);
+                details.add_bad_request_violation(short(field, TEXT), short(text, TEXT));
             }
             Refusal::Quota { tenant, quota, limit, text } => {
                 let text = format!("the quota {quota} is {limit}: {text}");
@@ -270,7 +283,7 @@ impl From<Refusal> for Status {
             }
             Refusal::MachineInvalid(violations) => {
                 for (place, text) in violations.iter().take(20) {
-                    details.add_bad_request_violation(place, text);
+                    details.add_bad_request_violation(short(place, PLACE), short(text, PLACE));
                 }
             }
             Refusal::QueueFull(_)
@@ -288,7 +301,7 @@ impl From<Refusal> for Status {
             }
             _ => {}
         }
-        Status::with_error_details(code, refusal.to_string(), details)
+        Status::with_error_details(code, short(&refusal.to_string(), TEXT), details)
     }
 }
 
@@ -304,6 +317,23 @@ impl From<std::io::Error> for Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_status_fits_into_headers_whatever_the_client_has_sent() {
+        let long = "ü".repeat(1 << 20);
+        for refusal in [
+            Refusal::UnknownJob(long.clone()),
+            Refusal::UnknownMachine(long.clone()),
+            Refusal::field(format!("labels[{long}]"), &long),
+            Refusal::MachineInvalid(vec![(long.clone(), long.clone()); 30]),
+        ] {
+            let status = Status::from(refusal);
+            assert!(status.message().len() < 1100, "{}", status.message().len());
+            assert!(status.details().len() < 12_000, "{}", status.details().len());
+            assert!(status.get_error_details().error_info().is_some());
+        }
+        assert_eq!(Status::from(Refusal::UnknownJob("ü".into())).message(), "no job 'ü'");
+    }
 
     #[test]
     fn a_status_carries_reason_domain_and_details() {

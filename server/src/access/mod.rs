@@ -65,6 +65,9 @@ pub(crate) struct Identity {
     pub(crate) role: Role,
 }
 
+/// Most characters of the subject of a call in the audit log.
+const TARGET: usize = 128;
+
 /// An identity within one call, and the subject of the call for the audit log.
 #[derive(Debug, Clone)]
 pub(crate) struct Caller {
@@ -89,7 +92,7 @@ impl Caller {
 
     /// Records the subject of the call.
     pub(crate) fn about(&self, target: &str) {
-        let _ = self.target.set(target.to_owned());
+        let _ = self.target.set(target.chars().take(TARGET).collect());
     }
 
     /// The target of the call; empty if unknown.

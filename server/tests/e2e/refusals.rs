@@ -58,3 +58,21 @@ async fn every_status_says_its_reason_also_those_of_the_transport() {
     assert_eq!((refused.code(), reason(&refused).as_str()), (Code::NotFound, "UNKNOWN_SERVICE"));
     server.stop().await;
 }
+
+/// A name of a megabyte is refused like any other; the connection and other calls on it continue.
+#[tokio::test]
+async fn a_very_long_name_is_refused_and_harms_no_other_call() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let long = "x".repeat(1 << 20);
+    let job = v1::GetJobRequest { job_id: long.clone() };
+    assert_eq!(reason(&server.jobs().get_job(job).await.unwrap_err()), "UNKNOWN_JOB");
+    let request = v1::SubmitJobRequest { machine: long.clone(), ..server.request("r", "EVENTS 1").await };
+    assert_eq!(reason(&server.jobs().submit_job(request).await.unwrap_err()), "UNKNOWN_MACHINE");
+    let request =
+        v1::SubmitJobRequest { labels: [(long, String::new())].into(), ..server.request("r", "EVENTS 1").await };
+    assert_eq!(reason(&server.jobs().submit_job(request).await.unwrap_err()), "INVALID_REQUEST");
+    let job = server.submit("r", "EVENTS 1").await;
+    assert_eq!(server.wait(&job).await.events, 1);
+    server.stop().await;
+}
