@@ -1,19 +1,24 @@
 //! The audit log: caller, call and outcome, one JSON object per line.
 //!
-//! Calls that change something and all refused ones are in it; contents of files and tokens never are. Invariant: a
-//! line is written whole before the answer leaves.
+//! Calls that change something and refused ones are in it; of the refused calls of a stranger only the first ones of a
+//! minute. Contents of files and tokens never are. Invariant: a line is written whole before the answer leaves.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use serde::Serialize;
 use tonic::Code;
 
+use super::strangers::Strangers;
 use super::{Caller, Role, calls};
+
+/// Most bytes of the path of a call.
+const CALL: usize = 128;
 
 /// The log.
 #[derive(Debug)]
@@ -21,6 +26,7 @@ pub(crate) struct Audit {
     path: PathBuf,
     file: Mutex<File>,
     failed: AtomicBool,
+    strangers: Mutex<Strangers>,
 }
 
 #[derive(Serialize)]
@@ -34,6 +40,14 @@ struct Line<'a> {
     #[serde(skip_serializing_if = "str::is_empty")]
     target: &'a str,
     code: String,
+    /// Refused calls of the same address before this one that have no line.
+    #[serde(skip_serializing_if = "is_zero")]
+    left_out: u64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 fn open(path: &Path) -> std::io::Result<File> {
@@ -47,7 +61,12 @@ fn open(path: &Path) -> std::io::Result<File> {
 impl Audit {
     /// Appends to a file, which is made if it is not there.
     pub(crate) fn open(path: &Path) -> std::io::Result<Self> {
-        Ok(Self { path: path.to_owned(), file: Mutex::new(open(path)?), failed: AtomicBool::new(false) })
+        Ok(Self {
+            path: path.to_owned(),
+            file: Mutex::new(open(path)?),
+            failed: AtomicBool::new(false),
+            strangers: Mutex::default(),
+        })
     }
 
     /// Opens the file again, after it has been moved away.
@@ -57,11 +76,18 @@ impl Audit {
     }
 
     /// Notes a call.
-    pub(crate) fn note(&self, peer: &str, caller: Option<&Caller>, call: &str, code: Code) {
+    pub(crate) fn note(&self, peer: SocketAddr, caller: Option<&Caller>, call: &str, code: Code) {
         let changes = matches!(calls::needs(call), calls::Needs::Role(role) if role > Role::Read);
         if code == Code::Ok && !changes {
             return;
         }
+        let mut left_out = 0;
+        if caller.is_none() && code != Code::Ok {
+            let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
+            let Some(before) = strangers.refused(peer.ip(), Instant::now()) else { return };
+            left_out = before;
+        }
+        let (peer, call) = (&*peer.to_string(), call.get(..call.floor_char_boundary(CALL)).unwrap_or_default());
         let identity = caller.map(|caller| &*caller.identity);
         let line = Line {
             time_ms: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_millis()),
@@ -72,6 +98,7 @@ impl Audit {
             call,
             target: caller.map_or("", Caller::target),
             code: format!("{code:?}"),
+            left_out,
         };
         let Ok(mut text) = serde_json::to_vec(&line) else { return };
         text.push(b'\n');

@@ -11,6 +11,7 @@ mod file;
 mod jwt;
 mod rate;
 mod rights;
+mod strangers;
 pub mod token;
 
 use std::collections::HashMap;

@@ -158,7 +158,7 @@ impl Gate {
 
     fn note(&self, peer: SocketAddr, caller: Option<&Caller>, path: &str, code: Code) {
         if let Some(audit) = &self.audit {
-            audit.note(&peer.to_string(), caller, path, code);
+            audit.note(peer, caller, path, code);
         }
     }
 }

@@ -110,6 +110,25 @@ async fn a_revoked_token_is_refused_after_a_reload_and_a_broken_file_changes_not
     assert!(error.contains("access.toml"), "{error}");
 }
 
+#[tokio::test]
+async fn a_flood_of_a_stranger_has_few_lines_in_the_audit_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = guarded(folder.path());
+    options.guard.audit = folder.path().join("audit.jsonl");
+    let (audit, token) = (options.guard.audit.clone(), grant(&options, "one", "t", Role::Read));
+    let server = Server::start(options).await;
+    let (one, stranger) = (As::new(&server, &token), As::nobody(&server));
+    for _ in 0..200 {
+        stranger.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap_err();
+        let upload = one.blobs().find_missing(v1::FindMissingRequest::default()).await.unwrap_err();
+        assert_eq!(upload.code(), Code::PermissionDenied);
+    }
+    server.stop().await;
+    let log = std::fs::read_to_string(audit).unwrap();
+    let lines = |code: &str| log.lines().filter(|line| line.contains(code)).count();
+    assert_eq!((lines("Unauthenticated"), lines("PermissionDenied")), (10, 200), "those of an identity are all there");
+}
+
 /// Watches and waiting calls end within a second after their identity was revoked or has expired; jobs and the calls of
 /// other identities continue.
 #[tokio::test]
