@@ -44,7 +44,8 @@ impl Row {
         let value = || {
             let cell = if table.decimal_comma { cell.replace(',', ".") } else { cell.to_owned() };
             let value = cell.parse::<f64>().ok().filter(|value| value.is_finite());
-            value.map(|value| value * scale).ok_or_else(|| format!("'{cell}' is not a number"))
+            let converted = |value: f64| if scale == 1.0 { value } else { (value * scale * 1e9).round() / 1e9 };
+            value.map(converted).ok_or_else(|| format!("'{cell}' is not a number"))
         };
         let whole = || cell.trim_start_matches(['T', 't', 'D', 'd', 'H', 'h']).parse::<u32>();
         let machine = table.machine;
@@ -176,6 +177,11 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
             return Err(wrong(line, format!("{} columns, where the first line names {}", record.len(), columns.len())));
         }
         let of_row = unit_of_row(&columns, &record).map_err(|text| wrong(line, text))?;
+        let lacks =
+            |((column, unit), _): ((&Column, &Option<LengthUnit>), &str)| unit.is_none() && column.is_length(machine);
+        if of_row.is_none() && has(&Column::Unit) && cells.clone().any(lacks) {
+            return Err(wrong(line, "the row does not say the unit of its lengths (mm, inch)".to_owned()));
+        }
         let mut row = Row::default();
         for ((column, unit), cell) in cells {
             let unit = unit.or(of_row).filter(|_| column.is_length(machine));

@@ -139,6 +139,7 @@ fn an_unknown_column_is_named_in_the_first_line() {
         ("number,wear Q\n1,2\n", "and the axes of the machine (X, Y, Z)"),
         ("number,name mm\n1,A\n", "tools.csv:1: column 'name mm' has a unit of length"),
         ("number,length,unit\n1,2,cm\n", "tools.csv:2: 'cm' is not a unit of length (mm, inch)"),
+        ("number,length,unit\n1,2,mm\n2,3,\n", "tools.csv:3: the row does not say the unit of its lengths"),
     ] {
         let error = read("tools.csv", text).unwrap_err();
         assert!(error.contains(with), "{error}");
@@ -184,6 +185,8 @@ fn lengths_are_converted_into_the_unit_of_the_machine() {
         assert_eq!(value(table, "offsets", 0, &["values", turns.0]), turns.1);
     }
     assert_eq!(value(&by_row, "offsets", 1, &["radius"]), 3.0);
+    let table = tables("T,radius inch\n1,.03\n", &metric);
+    assert_eq!(value(&table, "offsets", 0, &["radius"]), 0.762);
     let table = tables("T,length mm\n1,50.8\n", &facts("inch"));
     assert!((value(&table, "offsets", 0, &["values", "Z"]) - 2.0).abs() < 1e-12);
 }

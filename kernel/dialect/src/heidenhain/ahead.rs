@@ -19,6 +19,10 @@ use counterpoint_fault::Halt;
 /// Blocks between a line and the corner or the path block after it.
 const NEAR: u32 = 50;
 
+/// Cycles between an approach and its contour that do not move it.
+const DWELL: u32 = 9;
+const TOLERANCE: u32 = 32;
+
 impl Heidenhain {
     /// Reads path blocks ahead: a corner with the block after it, or the first element of a contour.
     pub(super) fn ahead(
@@ -182,6 +186,13 @@ impl Heidenhain {
                     line
                 }
                 Statement::Branch(..) => read.next,
+                Statement::Stop(_)
+                | Statement::ToolDefinition { .. }
+                | Statement::CyclePart { cycle: DWELL | TOLERANCE, .. }
+                    if run.calls.is_some() =>
+                {
+                    read.next
+                }
                 Statement::CallLabel { label, .. } if run.calls.is_some() => {
                     let label = self.label_of(host, label)?;
                     let Some(line) = self.find_label(host, &label) else { return Ok(None) };

@@ -93,12 +93,12 @@ impl Walk<'_> {
 
     /// Direction in which the first path block ahead that moves in the plane leaves a point; poles may be before it.
     fn heading_ahead(&self, from: &Position, point: Point) -> Option<Point> {
-        let mut pole = self.path.poles.flat;
+        let (mut pole, mut free_pole) = (self.path.poles.flat, self.path.free.pole);
         for step in self.ahead {
             match step.shape {
                 Shape::Pole => pole = self.pole_of(&step.seen, from),
-                // Its data are not read ahead.
-                Shape::FreePole => return None,
+                Shape::FreePole => free_pole = Some(self.flat(&self.target_of(&step.seen, from))),
+                shape if shape.is_free() => return self.free_heading(step, point, free_pole.or(pole)),
                 _ if goes_in_plane(step, self.path.plane) => return self.heading_of(step, from, (point, pole)),
                 _ => {}
             }
@@ -124,26 +124,29 @@ impl Walk<'_> {
                 let center = contour::center_by_radius(point, to, radius, clockwise)?;
                 direction(contour::heading_on(center, point, clockwise))
             }
-            Shape::FreeLine { tangent: false } | Shape::FreeArc { tangent: false } => self.free_heading(step, point),
             _ => None,
         }
     }
 
     /// Direction in which an element of a free contour leaves a point: by its angle, its end or its centre.
-    fn free_heading(&self, step: &Step, point: Point) -> Option<Point> {
+    fn free_heading(&self, step: &Step, point: Point, pole: Option<Point>) -> Option<Point> {
+        if matches!(step.shape, Shape::FreeLine { tangent: true } | Shape::FreeArc { tangent: true }) {
+            return None;
+        }
         if let Some(angle) = of_step(step, "AN") {
             return Some(contour::towards(angle));
         }
+        let polar = |radius: &str, angle: &str| {
+            let (radius, angle) = (of_step(step, radius)?, of_step(step, angle)?);
+            Some(Polar { radius, angle }.point(pole?))
+        };
+        let end = self.end_behind(step).or_else(|| polar("PR", "PA"));
         if matches!(step.shape, Shape::FreeLine { .. }) {
-            return direction(minus(self.end_behind(step)?, point));
+            return direction(minus(end?, point));
         }
         let clockwise = sense_of(step).or(self.path.clockwise)?;
-        let by_pole = || {
-            let (radius, angle) = (of_step(step, "CCPR")?, of_step(step, "CCPA")?);
-            Some(Polar { radius, angle }.point(self.path.free.pole.or(self.path.poles.flat)?))
-        };
-        let by_end = || contour::center_by_radius(point, self.end_behind(step)?, of_step(step, "R")?, clockwise);
-        let center = self.center_of(step).or_else(by_pole).or_else(by_end)?;
+        let by_end = || contour::center_by_radius(point, end?, of_step(step, "R")?, clockwise);
+        let center = self.center_of(step).or_else(|| polar("CCPR", "CCPA")).or_else(by_end)?;
         direction(contour::heading_on(center, point, clockwise))
     }
 
