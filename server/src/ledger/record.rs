@@ -233,7 +233,7 @@ pub(crate) struct Work {
     pub(crate) answers: Vec<(u16, Option<Answer>)>,
 }
 
-/// A job without its [`Work`].
+/// A job without its `Work`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Identity, ascending in order of submission.
