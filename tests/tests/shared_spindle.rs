@@ -94,3 +94,20 @@ proptest! {
         prop_assert_eq!(one, other, "{}\n{}", driver, follower);
     }
 }
+
+/// A move per revolution waits at its end for the spindle, with its event kept back, while the other channel makes more
+/// events than may be on the way to the log.
+#[test]
+fn a_long_move_per_revolution_does_not_hold_up_the_log() {
+    let driver = "G21 G0 X100. Z5.\nG50 S2500\nG96 S200 M3\nM101 P12\n#1=0\nWHILE [#1 LT 4000] DO1\n#1=#1+1\n#2=#1\nEND1\n\
+                  G1 X0 F0.2\nM102 P12\nM30\n";
+    let follower = "G21 G0 X0 Z5.\nG99\nM101 P12\nG1 Z-28. F0.15\nM102 P12\nM30\n";
+    for (texts, threads) in [([driver, follower], 0), ([follower, driver], 0), ([driver, follower], 1)] {
+        let options = Options { threads, ..Options::default() };
+        let work = Work::texts(machine("fanuc-2path-lathe", ""), &texts, options);
+        let done = work.run(None).expect("a job");
+        let blocks: u64 = done.summary.channels.iter().map(|channel| channel.blocks).sum();
+        assert!(blocks > 12_000 && done.summary.verdict.is_none(), "{blocks} blocks, {:?}", done.summary.verdict);
+        assert!(done.events.is_sorted_by_key(|event| (event.t_ns, event.micro)), "the log is in order");
+    }
+}

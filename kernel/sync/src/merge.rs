@@ -4,7 +4,8 @@
 //! when no other stream can still produce an earlier one. Invariant: messages about a stream's state are sent under
 //! the coordinator's lock, so a release is in the queue before anything that the released partner's releaser does
 //! later. A kernel may have only `CREDIT` chunks on the way, each with `TEXTS`
-//! bytes of text; beyond that it waits for one to come back.
+//! bytes of text; beyond that it waits for one to come back. If the log waits for events that a sleeping kernel keeps
+//! back, the kernels that it waits for get further chunks in advance, or no kernel would ever continue.
 
 use std::collections::VecDeque;
 
@@ -37,6 +38,10 @@ pub enum Message {
     Blocked(u16),
     /// The stream continues, not before the tag.
     Resumed(u16, Tag),
+    /// The kernel of the stream sleeps until others have advanced, and keeps events back: a move whose time is not known.
+    Asleep(u16),
+    /// It sleeps no longer.
+    Awake(u16),
     /// The stream is complete.
     Done(u16),
     /// Nothing after this tag belongs to the log.
@@ -91,6 +96,10 @@ struct Stream {
     channel: u16,
     chunks: VecDeque<(Chunk, usize)>,
     state: State,
+    /// Its kernel sleeps and keeps events back.
+    asleep: bool,
+    /// Chunks of these that its kernel has got back in advance.
+    advanced: usize,
     /// Where chunks go that are in the log.
     back: Sender<Chunk>,
 }
@@ -115,6 +124,8 @@ impl Stream {
 pub struct Merger {
     streams: Vec<Stream>,
     messages: Receiver<Message>,
+    /// Chunks that a kernel may have on the way.
+    credit: usize,
     stop: Tag,
     /// Number of the next event.
     pub next_seq: u64,
@@ -147,11 +158,13 @@ impl Merger {
                 channel,
                 chunks: VecDeque::with_capacity(CREDIT),
                 state: State::Active(floor),
+                asleep: false,
+                advanced: 0,
                 back,
             });
             feeders.push(Feeder { channel, messages: sender.clone(), back: returned, sent: 0, credit });
         }
-        (Self { streams, messages, stop: Tag::END, next_seq: 1, end: End::Complete }, feeders, sender)
+        (Self { streams, messages, credit, stop: Tag::END, next_seq: 1, end: End::Complete }, feeders, sender)
     }
 
     /// Passes events of the only stream on. Returns `false` when the log takes nothing more.
@@ -215,6 +228,22 @@ impl Merger {
         if self.end != End::Complete {
             self.discard();
         }
+        self.advance_chunks();
+    }
+
+    /// If the log waits for events that a sleeping kernel keeps back, gives chunks in advance to the kernels that have
+    /// none left.
+    fn advance_chunks(&mut self) {
+        let first = self.streams.iter().min_by_key(|stream| stream.floor());
+        if !first.is_some_and(|first| first.asleep && first.chunks.is_empty()) {
+            return;
+        }
+        for stream in &mut self.streams {
+            while stream.chunks.len() >= self.credit + stream.advanced && stream.back.try_send(Chunk::default()).is_ok()
+            {
+                stream.advanced += 1;
+            }
+        }
     }
 
     fn stream(&mut self, channel: u16) -> Option<&mut Stream> {
@@ -231,6 +260,12 @@ impl Merger {
                     } else {
                         stream.chunks.push_back((events, 0));
                     }
+                }
+            }
+            Message::Asleep(channel) | Message::Awake(channel) => {
+                let asleep = matches!(message, Message::Asleep(_));
+                if let Some(stream) = self.stream(channel) {
+                    stream.asleep = asleep;
                 }
             }
             Message::Blocked(channel) => self.set(channel, State::Blocked),
@@ -305,7 +340,64 @@ impl Merger {
     }
 }
 
-/// Gives a chunk back to its kernel.
-fn recycle(stream: &Stream, events: Chunk) {
-    let _ = stream.back.try_send(events);
+/// Gives a chunk back to its kernel, unless the kernel has got another one in advance.
+fn recycle(stream: &mut Stream, events: Chunk) {
+    match stream.advanced.checked_sub(1) {
+        Some(advanced) => stream.advanced = advanced,
+        None => drop(stream.back.try_send(events)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use counterpoint_event::event::{Dwell, Kind};
+
+    /// The channels and times of a log.
+    #[derive(Default)]
+    struct Seen(Vec<(u16, i64)>);
+
+    impl Sink for Seen {
+        fn events(&mut self, _: u64, events: &[Event]) -> bool {
+            self.0.extend(events.iter().map(|event| (event.channel, event.t_ns)));
+            true
+        }
+    }
+
+    fn chunk(channel: u16, t_ns: i64) -> Chunk {
+        Chunk::new(vec![Event { t_ns, micro: 0, dur_ns: 0, channel, file: 0, line: 0, kind: Kind::Dwell(Dwell) }])
+    }
+
+    #[test]
+    fn a_kernel_goes_on_that_a_sleeping_one_waits_for_with_an_event_kept_back() {
+        let (mut merger, mut feeders, sender) = Merger::new(1..=2, 0);
+        let (mut late, mut sleeper) = (feeders.pop().unwrap(), feeders.pop().unwrap());
+        let mut seen = Seen::default();
+        let tag = |t, channel| Tag { t, micro: 0, channel };
+        let pump = |merger: &mut Merger, seen: &mut Seen| merger.pump(seen, || ());
+        sleeper.send(Chunk::default(), tag(5, 1));
+        let mut t = 10;
+        while !late.is_full() {
+            late.send(chunk(2, t), tag(t, 2));
+            t += 1;
+        }
+        pump(&mut merger, &mut seen);
+        assert!(late.try_back().is_none() && seen.0.is_empty(), "the log waits for the event that is kept back");
+        sender.send(Message::Asleep(1)).unwrap();
+        for _ in 0..20 {
+            pump(&mut merger, &mut seen);
+            assert!(late.try_back().is_some(), "a chunk in advance");
+            late.send(chunk(2, t), tag(t, 2));
+            t += 1;
+        }
+        sender.send(Message::Awake(1)).unwrap();
+        sleeper.send(chunk(1, 5), tag(100, 1));
+        late.send(Chunk::default(), Tag::END);
+        pump(&mut merger, &mut seen);
+        let expected: Vec<_> = std::iter::once((1, 5)).chain((10..t).map(|t| (2, t))).collect();
+        assert_eq!(seen.0, expected);
+        // Every chunk comes back once.
+        let back = std::iter::from_fn(|| late.try_back()).count();
+        assert!(back > 0 && late.sent == 0, "{back} {}", late.sent);
+    }
 }

@@ -60,12 +60,19 @@ impl<'a> Port<'a> {
         Self { core, switch }
     }
 
-    /// Waits until an operation at this tag is next. `flush` sends the events so far, if that takes long.
+    /// Waits until an operation at this tag is next. `flush` sends the events so far, if that takes long; those from
+    /// `upto` on are kept back.
     ///
     /// # Errors
     /// [`Stopped`] when the job was stopped before this tag.
-    pub fn enter<S>(self, tag: Tag, state: &mut S, flush: impl FnOnce(&mut S)) -> Result<Turn<'a>, Stopped> {
-        self.core.enter(tag, self.waiter(tag.channel, state, flush, no_work::<S>))
+    pub fn enter<S>(
+        self,
+        (tag, upto): (Tag, Tag),
+        state: &mut S,
+        flush: impl FnOnce(&mut S),
+    ) -> Result<Turn<'a>, Stopped> {
+        let waiter = self.waiter(tag.channel, state, flush, no_work::<S>);
+        self.core.enter(tag, Waiter { keeps: upto < tag, ..waiter })
     }
 
     /// Waits until another kernel resumes this one, which is blocked.
@@ -87,13 +94,13 @@ impl<'a> Port<'a> {
     }
 
     fn waiter<S, F, W>(self, channel: u16, state: S, flush: F, work: W) -> Waiter<'a, S, F, W> {
-        Waiter { channel, switch: self.switch, state, flush, work }
+        Waiter { channel, switch: self.switch, keeps: false, state, flush, work }
     }
 
     /// Lets all other kernels advance to `tag`, if this kernel is free to wait.
     pub fn catch_up(self, tag: Tag) {
         if self.core.is_free(tag.channel) {
-            let _ = self.enter(tag, &mut (), |()| ());
+            let _ = self.enter((tag, tag), &mut (), |()| ());
         }
     }
 

@@ -1,13 +1,14 @@
 //! How a kernel gets its turn, and how it waits for its partners.
 //!
-//! Invariant: a kernel that sleeps has sent all its events before, so the merger never waits for it; before that it
-//! waits for a moment, since most partners are only a few blocks away.
+//! Invariant: a kernel that sleeps has sent all its events before, or the merger knows that it keeps some back; before
+//! that it waits for a moment, since most partners are only a few blocks away.
 
 use std::ops::{Deref, DerefMut};
 
 use super::locks::atomic::Ordering::SeqCst;
 use super::switch::Switch;
 use super::{Coordinator, Guard, Stopped};
+use crate::merge::Message;
 use crate::order::{Order, Status, Wake};
 use crate::tag::Tag;
 use crate::wait::Waiting;
@@ -55,6 +56,8 @@ pub enum Met<'a> {
 pub(super) struct Waiter<'s, S, F, W> {
     pub(super) channel: u16,
     pub(super) switch: Switch<'s>,
+    /// Keeps events back that are before its request.
+    pub(super) keeps: bool,
     /// The operand of the next two.
     pub(super) state: S,
     /// Sends the events so far.
@@ -116,7 +119,7 @@ impl Coordinator {
         mut inner: Guard<'a>,
         waiter: Waiter<'_, &mut S, impl FnOnce(&mut S), impl Fn(&mut S, bool) -> bool>,
     ) -> (Guard<'a>, Wake) {
-        let Waiter { channel, switch, state, flush, work } = waiter;
+        let Waiter { channel, switch, keeps, state, flush, work } = waiter;
         if let Some(wake) = inner.order.take_wake(channel) {
             return (inner, wake);
         }
@@ -138,9 +141,12 @@ impl Coordinator {
         flush(state);
         inner = self.lock();
         let index = self.channels.index(channel);
-        let mut gave_permit = false;
+        let (mut gave_permit, mut told) = (false, false);
         loop {
             if let Some(wake) = inner.order.take_wake(channel) {
+                if told {
+                    inner.send(Message::Awake(channel));
+                }
                 if let Some(flushed) = inner.flushed.get_mut(index) {
                     *flushed = false;
                 }
@@ -155,6 +161,9 @@ impl Coordinator {
                 && inner.order.status(channel) == Status::Blocked
             {
                 self.stream_blocked(&mut inner, channel);
+            }
+            if keeps && !std::mem::replace(&mut told, true) {
+                inner.send(Message::Asleep(channel));
             }
             if self.limited && !gave_permit {
                 gave_permit = true;
