@@ -242,7 +242,8 @@ impl Kernel<'_> {
         self.ports.control.disturb(self.channel.at.channel);
         let upto = self.channel.promise();
         let flush = |emitter: &mut Emitter<'_>| emitter.flush(upto);
-        let mut turn = coordinator.enter((tag, upto), &mut self.ports.emitter, flush).map_err(|_| Halt::Stopped)?;
+        let mut turn =
+            coordinator.enter_keeping((tag, upto), &mut self.ports.emitter, flush).map_err(|_| Halt::Stopped)?;
         let result = operation(&mut turn);
         drop(turn);
         self.ports.control.disturb(self.channel.at.channel);

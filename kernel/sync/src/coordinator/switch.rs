@@ -60,12 +60,19 @@ impl<'a> Port<'a> {
         Self { core, switch }
     }
 
-    /// Waits until an operation at this tag is next. `flush` sends the events so far, if that takes long; those from
-    /// `upto` on are kept back.
+    /// Waits until an operation at this tag is next. `flush` sends the events so far, if that takes long.
     ///
     /// # Errors
     /// [`Stopped`] when the job was stopped before this tag.
-    pub fn enter<S>(
+    pub fn enter<S>(self, tag: Tag, state: &mut S, flush: impl FnOnce(&mut S)) -> Result<Turn<'a>, Stopped> {
+        self.enter_keeping((tag, tag), state, flush)
+    }
+
+    /// The same for a kernel that keeps its events from `upto` on back.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the job was stopped before this tag.
+    pub fn enter_keeping<S>(
         self,
         (tag, upto): (Tag, Tag),
         state: &mut S,
@@ -100,7 +107,7 @@ impl<'a> Port<'a> {
     /// Lets all other kernels advance to `tag`, if this kernel is free to wait.
     pub fn catch_up(self, tag: Tag) {
         if self.core.is_free(tag.channel) {
-            let _ = self.enter((tag, tag), &mut (), |()| ());
+            let _ = self.enter(tag, &mut (), |()| ());
         }
     }
 
