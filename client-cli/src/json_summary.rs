@@ -9,7 +9,7 @@ use crate::macros::{remedy, remedy_for};
 /// The number of the diagnostic of a deadlock, which a verdict is.
 const DEADLOCK: u32 = 2_900_071;
 
-/// The summary with `remedy` in its diagnostics and its verdict, where there is one; a text that is no summary as it is.
+/// Adds `remedy` to every diagnostic that has one, and to the verdict. A text that cannot be read as JSON stays as it is.
 pub(crate) fn with_remedies(text: &[u8]) -> Vec<u8> {
     let Ok(mut summary) = serde_json::from_slice::<Value>(text) else { return text.to_vec() };
     let diagnostics = summary.get_mut("diagnostics").and_then(Value::as_array_mut);

@@ -151,7 +151,7 @@ fn judged(summary: &Summary, verdict: &Verdict, several: bool) -> String {
     out
 }
 
-/// A limit of the job, or channels that wait for ever.
+/// The word for a kind of verdict: `limit` if the job has reached a limit, otherwise `deadlock`.
 fn kind_word(kind: &str) -> &'static str {
     if kind.eq_ignore_ascii_case(LIMIT) { LIMIT } else { "deadlock" }
 }

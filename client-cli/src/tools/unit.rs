@@ -23,7 +23,7 @@ impl LengthUnit {
         }
     }
 
-    /// The other one.
+    /// Inches for millimetres, millimetres for inches.
     pub(super) fn other(self) -> Self {
         match self {
             Self::Millimetre => Self::Inch,

@@ -91,8 +91,8 @@ fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
     (act.remembered_lead(), sides)
 }
 
-/// The pitch along X, Y or Z: of several pitches that of the longest travel, of equal ones the last. There is none if
-/// no axis with a pitch moves.
+/// The pitch along X, Y or Z and its axis. Of several pitches, that of the longest travel counts, and the last one of
+/// equal travels. `None` if no axis with a pitch moves.
 fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
     let changes = act.changes(&act.state.place.position, target);
     let axes = &act.state.place.layout.cartesian;
