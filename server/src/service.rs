@@ -18,6 +18,7 @@ use counterpoint_proto::v1::machines_server::MachinesServer;
 use counterpoint_proto::v1::operator_server::OperatorServer;
 use counterpoint_proto::v1::results_server::ResultsServer;
 use tokio::net::TcpListener;
+use tonic::codec::CompressionEncoding;
 use tonic::service::Routes;
 use tonic_health::server::HealthReporter;
 
@@ -32,7 +33,7 @@ use crate::rpc;
 use crate::runner::{Kernel, Runner};
 use crate::spans::Spans;
 
-/// Largest message in either direction, bytes.
+/// Largest message in either direction, bytes; of a compressed one, as it is without compression.
 pub const MAX_MESSAGE: usize = 4 << 20;
 /// Time without a look at the jobs after which the server counts as stuck.
 const ALIVE: Duration = Duration::from_secs(30);
@@ -213,6 +214,16 @@ pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Resu
     Ok(Service { core, gate, monitor, listener, address, stop: tokio::sync::watch::Sender::new(Stop::No) })
 }
 
+/// A service with bounds on its messages, and gzip for clients that use it.
+macro_rules! served {
+    ($service:expr) => {
+        $service
+            .max_decoding_message_size(MAX_MESSAGE)
+            .accept_compressed(CompressionEncoding::Gzip)
+            .send_compressed(CompressionEncoding::Gzip)
+    };
+}
+
 impl Service {
     /// A handle on it.
     #[must_use]
@@ -246,12 +257,12 @@ impl Service {
         let admin = rpc::Admin { core: core.clone(), stop: Box::new(move || begin(&asked)) };
         routes
             .add_service(health_service)
-            .add_service(JobsServer::new(rpc::Jobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
-            .add_service(BlobsServer::new(rpc::Blobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
-            .add_service(MachinesServer::new(rpc::Machines(core.clone())).max_decoding_message_size(MAX_MESSAGE))
-            .add_service(ResultsServer::new(rpc::Results(core.clone())).max_decoding_message_size(MAX_MESSAGE))
-            .add_service(OperatorServer::new(rpc::Operator(core.clone())).max_decoding_message_size(MAX_MESSAGE))
-            .add_service(AdminServer::new(admin).max_decoding_message_size(MAX_MESSAGE));
+            .add_service(served!(JobsServer::new(rpc::Jobs(core.clone()))))
+            .add_service(served!(BlobsServer::new(rpc::Blobs(core.clone()))))
+            .add_service(served!(MachinesServer::new(rpc::Machines(core.clone()))))
+            .add_service(served!(ResultsServer::new(rpc::Results(core.clone()))))
+            .add_service(served!(OperatorServer::new(rpc::Operator(core.clone()))))
+            .add_service(served!(AdminServer::new(admin)));
         if core.options.guard.reflection {
             let builder = || {
                 tonic_reflection::server::Builder::configure()
