@@ -117,6 +117,11 @@ impl Drop for Connection {
 pub(crate) struct Call(Arc<Counts>);
 
 impl Call {
+    /// Whether no identity has called on the connection.
+    pub(crate) fn of_a_stranger(&self) -> bool {
+        self.0.identity.lock().unwrap_or_else(PoisonError::into_inner).is_none()
+    }
+
     /// Notes the caller; returns whether no other identity has called on the connection.
     pub(crate) fn by(&self, identity: &Arc<Identity>) -> bool {
         let mut last = self.0.identity.lock().unwrap_or_else(PoisonError::into_inner);

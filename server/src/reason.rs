@@ -3,6 +3,7 @@
 //! Invariant: every status that leaves the server carries an `ErrorInfo` with one of these reasons and the domain
 //! `counterpoint`; a reason never changes its meaning or its gRPC code.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::time::Duration;
 
@@ -163,6 +164,9 @@ pub enum Refusal {
     /// Too many calls of one identity; when the next may come.
     #[error("too many calls a second (max_calls_per_s)")]
     RateLimited(Duration),
+    /// Too many calls without a known identity from one address; when the next is answered.
+    #[error("too many calls without a known identity (max_refused_per_s)")]
+    RefusedTooOften(Duration),
 }
 
 impl Refusal {
@@ -180,7 +184,9 @@ impl Refusal {
     pub(crate) fn of_transport(status: &Status) -> Self {
         let text = status.message().to_owned();
         match status.code() {
-            Code::OutOfRange | Code::ResourceExhausted if text.contains("message length too large") => {
+            Code::OutOfRange | Code::ResourceExhausted
+                if text.contains("message length too large") || text.contains("exceeded while decompressing") =>
+            {
                 Self::MessageTooLarge(text)
             }
             Code::Unimplemented => {
@@ -228,7 +234,7 @@ impl Refusal {
             Self::MachineShipped(_) => ("MACHINE_SHIPPED", Code::AlreadyExists),
             Self::Unauthenticated(_) => ("UNAUTHENTICATED", Code::Unauthenticated),
             Self::PermissionDenied(_) => ("PERMISSION_DENIED", Code::PermissionDenied),
-            Self::RateLimited(_) => ("RATE_LIMITED", Code::ResourceExhausted),
+            Self::RateLimited(_) | Self::RefusedTooOften(_) => ("RATE_LIMITED", Code::ResourceExhausted),
             Self::MessageTooLarge(_) => ("MESSAGE_TOO_LARGE", Code::ResourceExhausted),
             Self::MalformedMessage(_) => ("MALFORMED_MESSAGE", Code::InvalidArgument),
             Self::UnknownCall(_) => ("UNKNOWN_CALL", Code::Unimplemented),
@@ -268,6 +274,30 @@ fn short(text: &str, most: usize) -> String {
     }
 }
 
+/// A text of the host without the paths in it: they are the server's, as those of clients are relative.
+pub(crate) fn without_paths(text: &str) -> Cow<'_, str> {
+    let begins = |text: &str| {
+        let mut bytes = text.bytes();
+        let first = bytes.next();
+        let drive = first.is_some_and(|b| b.is_ascii_alphabetic()) && text.get(1..3) == Some(":\\");
+        drive || first == Some(b'/') && bytes.next().is_some_and(|b| b != b'/' && !b.is_ascii_whitespace())
+    };
+    let (mut out, mut rest, mut before) = (String::new(), text, ' ');
+    while let Some(next) = rest.chars().next() {
+        if !before.is_alphanumeric() && !matches!(before, '/' | '.' | '_' | '-') && begins(rest) {
+            // One in quotes ends with them, another at a space.
+            let quoted = matches!(before, '\'' | '"' | '`');
+            let end = rest.find(|c: char| if quoted { c == before } else { c.is_whitespace() || c == ',' });
+            out.push('…');
+            (rest, before) = (rest.get(end.unwrap_or(rest.len())..).unwrap_or_default(), '…');
+            continue;
+        }
+        out.push(next);
+        (rest, before) = (rest.get(next.len_utf8()..).unwrap_or_default(), next);
+    }
+    if out == text { Cow::Borrowed(text) } else { Cow::Owned(out) }
+}
+
 impl From<Refusal> for Status {
     fn from(refusal: Refusal) -> Self {
         let (reason, code) = refusal.reason();
@@ -293,7 +323,7 @@ impl From<Refusal> for Status {
             | Refusal::TooManyUploads => {
                 details.set_retry_info(Some(Duration::from_secs(1)));
             }
-            Refusal::RateLimited(wait) => {
+            Refusal::RateLimited(wait) | Refusal::RefusedTooOften(wait) => {
                 details.set_retry_info(Some(*wait));
             }
             Refusal::DiskFull(_) => {
@@ -301,7 +331,12 @@ impl From<Refusal> for Status {
             }
             _ => {}
         }
-        Status::with_error_details(code, short(&refusal.to_string(), TEXT), details)
+        let text = refusal.to_string();
+        let text = match refusal {
+            Refusal::Storage(_) | Refusal::DataLoss(_) | Refusal::Internal(_) => without_paths(&text),
+            _ => Cow::Borrowed(text.as_str()),
+        };
+        Status::with_error_details(code, short(&text, TEXT), details)
     }
 }
 
@@ -333,6 +368,25 @@ mod tests {
             assert!(status.get_error_details().error_info().is_some());
         }
         assert_eq!(Status::from(Refusal::UnknownJob("ü".into())).message(), "no job 'ü'");
+    }
+
+    #[test]
+    fn a_text_of_the_host_shows_no_path() {
+        for (text, shown) in [
+            ("No space left on device (os error 28) at path \"/var/lib/cp/tmp/.tmpX\"", "… at path \"…\""),
+            ("'/var/lib/my data/ledger.redb' is empty", "'…' is empty"),
+            ("/var/lib/cp: denied, /etc", "… denied, …"),
+            ("open C:\\data\\x failed", "open … failed"),
+            ("storage failed: (/data)", "storage failed: (…"),
+        ] {
+            let expected = shown.replace("… at path", "No space left on device (os error 28) at path");
+            assert_eq!(without_paths(text), expected);
+        }
+        for text in ["2/3 of a/b, 1 / 2", "//ICAMFS/x", "", "/", "ü/ä", "the row 't/id' of the ledger", "a:\\"] {
+            assert_eq!(without_paths(text), if text == "a:\\" { "…" } else { text });
+        }
+        let status = Status::from(Refusal::Storage("failed at '/secret/place'".into()));
+        assert_eq!(status.message(), "storage failed: failed at '…'");
     }
 
     #[test]

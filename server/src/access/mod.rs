@@ -10,11 +10,13 @@ pub(crate) mod fair;
 mod file;
 mod jwt;
 mod rate;
+mod refused;
 mod rights;
 mod strangers;
 pub mod token;
 
 use std::collections::HashMap;
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
 use std::time::{Duration, Instant};
@@ -32,6 +34,7 @@ use fair::Fair;
 use file::Known;
 pub(crate) use rate::{Held, LONGEST};
 use rate::{Rates, Turn};
+use refused::Refused;
 
 /// Rights of an identity; each role also has the rights of those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, clap::ValueEnum)]
@@ -128,6 +131,7 @@ pub(crate) struct Access {
     known: RwLock<Option<Arc<Known>>>,
     verified: Mutex<Verified>,
     rates: Rates,
+    refused: Mutex<Refused>,
     pub(crate) fair: Fair,
     everybody: Arc<Identity>,
     /// How often the file of identities was read again.
@@ -145,6 +149,7 @@ impl Access {
             known: RwLock::new(known),
             verified: Mutex::default(),
             rates: Rates::new(options.max_calls_per_s),
+            refused: Mutex::new(Refused::new(options.max_refused_per_s)),
             fair: Fair::default(),
             everybody: Arc::new(everybody),
             reloads: watch::Sender::new(0),
@@ -189,6 +194,12 @@ impl Access {
             Turn::After(wait, held) => Ok(Admitted { caller: Some(caller), wait: Some((wait, held)) }),
             Turn::Never(wait) => Err((Some(caller), Refusal::RateLimited(wait))),
         }
+    }
+
+    /// Counts a call that was refused because its identity is not known; the time until the next one of its address is
+    /// answered, if they come too often.
+    pub(crate) fn refused(&self, address: IpAddr) -> Option<Duration> {
+        self.refused.lock().unwrap_or_else(PoisonError::into_inner).count(address, Instant::now())
     }
 
     /// The caller, and when that ends, seconds since 1970: a token says more than the certificate of the connection.

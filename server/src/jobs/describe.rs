@@ -6,6 +6,7 @@ use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 
 use crate::ledger::record::{CONTENT, Cause, Priority, Reached, Reason, Record, State, Work};
+use crate::reason::without_paths;
 
 /// The description that is at the head of a log and of a watch.
 pub(crate) fn description(info: &Info) -> v1::JobDescription {
@@ -74,11 +75,11 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         makespan_ns: record.makespan_ns,
         highest_severity: u32::from(record.highest_severity),
         verdict: record.verdict,
-        error: record.error,
+        error: without_paths(&record.error).into_owned(),
         findings: record.findings.into_iter().map(finding).collect(),
         log_digest: record.log_digest,
         host_failures: record.runs.host_failures,
-        host_failure: record.runs.host_failure,
+        host_failure: without_paths(&record.runs.host_failure).into_owned(),
         labels: record.asked.labels,
         priority: match record.asked.priority {
             Priority::High => v1::JobPriority::High,

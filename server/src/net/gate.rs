@@ -101,6 +101,13 @@ impl Gate {
         Some(Box::pin(async move { gate.access.ended(rights).await }))
     }
 
+    /// Refuses calls without a known identity that come too often with the time until the next one is answered.
+    pub(super) fn too_often(&self, peer: SocketAddr, refusal: Refusal) -> Refusal {
+        let stranger = matches!(refusal, Refusal::Unauthenticated(_));
+        let wait = stranger.then(|| self.access.refused(peer.ip())).flatten();
+        wait.map_or(refusal, Refusal::RefusedTooOften)
+    }
+
     /// The answer to a call that does not pass.
     pub(super) fn refuse(
         &self,
@@ -109,7 +116,7 @@ impl Gate {
         path: &str,
         refusal: Refusal,
     ) -> Response<Body> {
-        if matches!(refusal, Refusal::RateLimited(_)) {
+        if matches!(refusal, Refusal::RateLimited(_) | Refusal::RefusedTooOften(_)) {
             self.metrics.rates.limited.inc();
         }
         let status = Status::from(refusal);

@@ -27,8 +27,9 @@ pub(super) async fn admitted(
 ) -> Result<Option<Caller>, Response<Body>> {
     let (caller, refusal) = match peer.gate.admit(request, &peer.names) {
         Err((caller, refusal)) => {
-            let alone = caller.as_ref().is_some_and(|caller| call.by(&caller.identity));
-            if let Refusal::RateLimited(wait) = &refusal
+            let refusal = peer.gate.too_often(peer.address, refusal);
+            let alone = caller.as_ref().map_or_else(|| call.of_a_stranger(), |caller| call.by(&caller.identity));
+            if let Refusal::RateLimited(wait) | Refusal::RefusedTooOften(wait) = &refusal
                 && alone
                 // The last frames of a connection that is closed are read.
                 && !*peer.drain.borrow()

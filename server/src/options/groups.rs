@@ -110,7 +110,8 @@ group! {
         tenant_queued: usize = 0, "COUNTERPOINT_TENANT_QUEUED", "N";
         /// Most jobs of one tenant that run at the same time, others wait; 0 = without limit
         tenant_running: usize = 0, "COUNTERPOINT_TENANT_RUNNING", "N";
-        /// Most bytes of logs, files and results of the ended jobs of one tenant; 0 = without limit
+        /// Most bytes of uploaded files, machines, and requests, logs, files and results of ended jobs of one tenant;
+        /// 0 = without limit
         tenant_bytes: u64 = 0, "COUNTERPOINT_TENANT_BYTES", "BYTES";
         /// Most uploads of one tenant at the same time; 0 = without limit
         tenant_uploads: usize = 0, "COUNTERPOINT_TENANT_UPLOADS", "N";
@@ -159,6 +160,8 @@ group! {
         grpc_web_origins: String = String::new(), "COUNTERPOINT_GRPC_WEB_ORIGINS", "ORIGINS";
         /// Most calls of one identity in a second; 0 = without limit
         max_calls_per_s: u32 = 0, "COUNTERPOINT_MAX_CALLS_PER_S", "N";
+        /// Most calls without a known identity that one address has answered in a second; 0 = without limit
+        max_refused_per_s: u32 = 20, "COUNTERPOINT_MAX_REFUSED_PER_S", "N";
         /// File for the audit log; empty = none
         audit: PathBuf = PathBuf::new(), "COUNTERPOINT_AUDIT", "FILE";
     }

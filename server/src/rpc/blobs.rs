@@ -10,9 +10,9 @@ use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
+use super::door::enter;
 use super::{Blobs, CHUNK, Chunk, blocking, stream};
 use crate::access::Caller;
-use crate::blobs::is_digest;
 use crate::reason::Refusal;
 
 impl Chunk for v1::DownloadResponse {
@@ -33,11 +33,7 @@ impl Service for Blobs {
         &self,
         request: Request<v1::FindMissingRequest>,
     ) -> Result<Response<v1::FindMissingResponse>, Status> {
-        let (caller, digests) = (Caller::of(&request)?, request.into_inner().digests);
-        if let Some(at) = digests.iter().position(|digest| !is_digest(digest)) {
-            let text = "must be 64 lower-case hexadecimal digits";
-            return Err(Refusal::field(format!("digests[{at}]"), text).into());
-        }
+        let (caller, v1::FindMissingRequest { digests }) = enter(request)?;
         let blobs = self.0.blobs.of(caller.tenant());
         let digests = blocking(move || Ok(digests.into_iter().filter(|d| !blobs.offers(d)).collect())).await?;
         Ok(Response::new(v1::FindMissingResponse { digests }))
@@ -55,12 +51,15 @@ impl Service for Blobs {
         let (blobs, digest) = (self.0.blobs.of(caller.tenant()), first.digest.clone());
         caller.about(&digest);
         let (core, tenant) = (self.0.clone(), caller.tenant().to_owned());
-        let mut receiver = blocking(move || {
+        let (mut receiver, mut growing) = blocking(move || {
             core.room()?;
             core.within_quotas(&tenant)?;
+            core.has_room_for(&tenant, first.size.unwrap_or(0))?;
             let mut receiver = blobs.receive(&first.digest, first.size)?;
+            let mut growing = core.growing(&tenant);
+            core.grow(&mut growing, first.data.len() as u64)?;
             receiver.chunk(&first.data)?;
-            Ok(receiver)
+            Ok((receiver, growing))
         })
         .await?;
         while let Some(chunk) = next(&mut chunks, patience).await? {
@@ -68,20 +67,23 @@ impl Service for Blobs {
                 receiver.chunk(&chunk.data)?;
                 continue;
             }
-            receiver = blocking(move || {
+            let core = self.0.clone();
+            (receiver, growing) = blocking(move || {
+                core.grow(&mut growing, chunk.data.len() as u64)?;
                 receiver.chunk(&chunk.data)?;
-                Ok(receiver)
+                Ok((receiver, growing))
             })
             .await?;
         }
         let size = blocking(move || receiver.finish()).await?;
+        drop(growing);
         Ok(Response::new(v1::UploadResponse { digest, size }))
     }
 
     type DownloadStream = ReceiverStream<Result<v1::DownloadResponse, Status>>;
 
     async fn download(&self, request: Request<v1::DownloadRequest>) -> Result<Response<Self::DownloadStream>, Status> {
-        let (caller, digest) = (Caller::of(&request)?, request.into_inner().digest);
+        let (caller, v1::DownloadRequest { digest }) = enter(request)?;
         caller.about(&digest);
         let blobs = self.0.blobs.of(caller.tenant());
         let mut file = blocking(move || blobs.open(&digest)).await?;

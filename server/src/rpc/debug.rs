@@ -16,8 +16,8 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Response, Status, Streaming};
 use tracing::Instrument as _;
 
-use super::job;
 use super::submit::small;
+use super::{door, job};
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::status;
@@ -44,6 +44,7 @@ pub(super) async fn debug(
     let Some(Told::JobId(id)) = told.message().await?.and_then(|first| first.content) else {
         return Err(Refusal::field("content", "the first message must name the job (job_id)").into());
     };
+    door::id("job_id", &id)?;
     let record = job(core, &caller, &id)?;
     if !record.stepped {
         return Err(Refusal::NotStepped(id).into());

@@ -8,11 +8,12 @@ use counterpoint_proto::v1::jobs_server::Jobs as Service;
 use prost::Message as _;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
+use tonic::codec::SingleMessageCompressionOverride;
 use tonic::{Request, Response, Status};
 use tracing::Instrument as _;
 
+use super::door::enter;
 use super::{Jobs, blocking, job, submit, watch, watch_jobs};
-use crate::access::Caller;
 use crate::jobs::describe::{description, options, status};
 use crate::jobs::filter::{self, Filter};
 use crate::ledger::Query;
@@ -33,6 +34,14 @@ fn counted<T>(answer: T, taken: Taken) -> Response<T> {
     response
 }
 
+/// A stream without compression, as almost every client says that it accepts gzip: to compress the events of a job
+/// takes more processor time than to send them, and small frames count as a flood.
+fn plain<T>(receive: mpsc::Receiver<T>) -> Response<ReceiverStream<T>> {
+    let mut response = Response::new(ReceiverStream::new(receive));
+    response.extensions_mut().insert(SingleMessageCompressionOverride::Disable);
+    response
+}
+
 #[tonic::async_trait]
 impl Service for Jobs {
     async fn submit_job(
@@ -44,7 +53,7 @@ impl Service for Jobs {
         }
         let parent = request.metadata().get("traceparent").and_then(|value| value.to_str().ok()).unwrap_or_default();
         let traceparent = trace::parse(parent).map_or_else(String::new, |_| parent.trim().to_owned());
-        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let (core, (caller, request)) = (self.0.clone(), enter(request)?);
         let _taken = core.memory().take(SUBMIT_COPIES * request.encoded_len() as u64)?;
         let tenant = caller.tenant().to_owned();
         let (mut record, work) = blocking(move || submit::record(&core, &tenant, request)).await?;
@@ -55,7 +64,7 @@ impl Service for Jobs {
     }
 
     async fn get_job(&self, request: Request<v1::GetJobRequest>) -> Result<Response<v1::GetJobResponse>, Status> {
-        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        let (caller, v1::GetJobRequest { job_id: id }) = enter(request)?;
         let record = job(&self.0, &caller, &id)?;
         let core = self.0.clone();
         let read = move || {
@@ -83,7 +92,8 @@ impl Service for Jobs {
     }
 
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
-        let (tenant, request) = (Caller::of(&request)?.tenant().to_owned(), request.into_inner());
+        let (caller, request) = enter(request)?;
+        let tenant = caller.tenant().to_owned();
         if !request.page_token.is_empty() && uuid::Uuid::try_parse(&request.page_token).is_err() {
             return Err(Refusal::field("page_token", "is not a next_page_token of this call").into());
         }
@@ -120,18 +130,18 @@ impl Service for Jobs {
     type WatchJobStream = ReceiverStream<Result<v1::WatchJobResponse, Status>>;
 
     async fn watch_job(&self, request: Request<v1::WatchJobRequest>) -> Result<Response<Self::WatchJobStream>, Status> {
-        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let (caller, request) = enter(request)?;
         job(&self.0, &caller, &request.job_id)?;
         let span = tracing::info_span!("watch", job = request.job_id);
         let watch = watch::Watch::new(self.0.clone(), request)?;
         let (send, receive) = mpsc::channel(1);
         // Ends with the job, with the client, or with the drain.
         tokio::spawn(watch.run(send).instrument(span));
-        Ok(Response::new(ReceiverStream::new(receive)))
+        Ok(plain(receive))
     }
 
     async fn wait_job(&self, request: Request<v1::WaitJobRequest>) -> Result<Response<v1::WaitJobResponse>, Status> {
-        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let (caller, request) = enter(request)?;
         let record = job(&self.0, &caller, &request.job_id)?;
         let timeout = if request.timeout_ms == 0 { 60_000 } else { request.timeout_ms.min(600_000) };
         if let Some(live) = self.0.live(&request.job_id) {
@@ -150,14 +160,14 @@ impl Service for Jobs {
         &self,
         request: Request<v1::CancelJobRequest>,
     ) -> Result<Response<v1::CancelJobResponse>, Status> {
-        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        let (caller, v1::CancelJobRequest { job_id: id }) = enter(request)?;
         job(&self.0, &caller, &id)?;
         let record = self.0.cancel(&id).await?;
         Ok(Response::new(v1::CancelJobResponse { status: Some(status(record)) }))
     }
 
     async fn pause_job(&self, request: Request<v1::PauseJobRequest>) -> Result<Response<v1::PauseJobResponse>, Status> {
-        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        let (caller, v1::PauseJobRequest { job_id: id }) = enter(request)?;
         job(&self.0, &caller, &id)?;
         let record = self.0.pause(&id).await?;
         Ok(Response::new(v1::PauseJobResponse { status: Some(status(record)) }))
@@ -167,7 +177,7 @@ impl Service for Jobs {
         &self,
         request: Request<v1::ResumeJobRequest>,
     ) -> Result<Response<v1::ResumeJobResponse>, Status> {
-        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        let (caller, v1::ResumeJobRequest { job_id: id }) = enter(request)?;
         job(&self.0, &caller, &id)?;
         let record = self.0.resume(&id).await?;
         Ok(Response::new(v1::ResumeJobResponse { status: Some(status(record)) }))
@@ -177,7 +187,7 @@ impl Service for Jobs {
         &self,
         request: Request<v1::DeleteJobRequest>,
     ) -> Result<Response<v1::DeleteJobResponse>, Status> {
-        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        let (caller, v1::DeleteJobRequest { job_id: id }) = enter(request)?;
         job(&self.0, &caller, &id)?;
         self.0.delete(&id).await?;
         Ok(Response::new(v1::DeleteJobResponse {}))
@@ -187,7 +197,7 @@ impl Service for Jobs {
         if self.0.drain.begun() {
             return Err(Refusal::Draining { cursor: 0 }.into());
         }
-        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let (core, (caller, request)) = (self.0.clone(), enter(request)?);
         let (record, work) = blocking(move || {
             let earlier = job(&core, &caller, &request.job_id)?;
             submit::rerun(&core, earlier, request)
@@ -203,11 +213,11 @@ impl Service for Jobs {
         &self,
         request: Request<v1::WatchJobsRequest>,
     ) -> Result<Response<Self::WatchJobsStream>, Status> {
-        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let (caller, request) = enter(request)?;
         let watch = watch_jobs::WatchJobs::new(self.0.clone(), caller.tenant(), request)?;
         let (send, receive) = mpsc::channel(1);
         // Ends with the client or with the drain.
         tokio::spawn(watch.run(send).instrument(tracing::info_span!("watch jobs")));
-        Ok(Response::new(ReceiverStream::new(receive)))
+        Ok(plain(receive))
     }
 }

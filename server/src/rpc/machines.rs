@@ -7,8 +7,9 @@ use counterpoint_proto::v1;
 use counterpoint_proto::v1::machines_server::Machines as Service;
 use tonic::{Request, Response, Status};
 
+use super::door::enter;
 use super::{Machines, blocking, page, submit};
-use crate::access::{Caller, Role};
+use crate::access::Role;
 use crate::jobs::Core;
 use crate::jobs::describe::finding;
 use crate::machines::{Checked, Definition, is_name, is_shipped, shipped};
@@ -20,13 +21,14 @@ impl Service for Machines {
         &self,
         request: Request<v1::PutMachineRequest>,
     ) -> Result<Response<v1::PutMachineResponse>, Status> {
-        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let (core, (caller, request)) = (self.0.clone(), enter(request)?);
         caller.about(&request.name);
         if self.0.reserved(&request.name) {
             return Err(Refusal::MachineShipped(request.name).into());
         }
         let (tenant, trusted) = (caller.tenant().to_owned(), caller.identity.role >= Role::Admin);
         let (definition, checked) = blocking(move || {
+            core.within_quotas(&tenant)?;
             let definition = Definition { trusted, ..definition(&core, tenant, request.name, request.files)? };
             let checked = core.machines.load(&definition)?;
             match checked.machine {
@@ -46,7 +48,7 @@ impl Service for Machines {
         &self,
         request: Request<v1::GetMachineRequest>,
     ) -> Result<Response<v1::GetMachineResponse>, Status> {
-        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let (core, (caller, request)) = (self.0.clone(), enter(request)?);
         let section = v1::MachineSection::try_from(request.section)
             .map_err(|_| Refusal::field("section", format!("{} is not a section", request.section)))?;
         let answer = blocking(move || {
@@ -67,7 +69,7 @@ impl Service for Machines {
         &self,
         request: Request<v1::ListMachinesRequest>,
     ) -> Result<Response<v1::ListMachinesResponse>, Status> {
-        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let (core, (caller, request)) = (self.0.clone(), enter(request)?);
         let answer = blocking(move || {
             let mut all = core.ledger.machines(caller.tenant())?;
             all.retain(|definition| !core.reserved(&definition.name));
@@ -87,7 +89,7 @@ impl Service for Machines {
         &self,
         request: Request<v1::DeleteMachineRequest>,
     ) -> Result<Response<v1::DeleteMachineResponse>, Status> {
-        let (caller, name) = (Caller::of(&request)?, request.into_inner().name);
+        let (caller, v1::DeleteMachineRequest { name }) = enter(request)?;
         caller.about(&name);
         if self.0.reserved(&name) {
             return Err(Refusal::MachineShipped(name).into());
@@ -106,7 +108,7 @@ impl Service for Machines {
         &self,
         request: Request<v1::CheckMachineRequest>,
     ) -> Result<Response<v1::CheckMachineResponse>, Status> {
-        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let (core, (caller, request)) = (self.0.clone(), enter(request)?);
         let checked = blocking(move || {
             let definition = if request.files.is_empty() {
                 submit::machine(&core, caller.tenant(), &request.name)?
@@ -127,9 +129,6 @@ fn definition(core: &Core, tenant: String, name: String, files: Vec<v1::MachineF
     }
     if files.is_empty() || files.len() > core.options.maxima.max_files {
         return Err(Refusal::field("files", format!("must be 1 to {}", core.options.maxima.max_files)));
-    }
-    for (i, file) in files.iter().enumerate() {
-        submit::check_file(&format!("files[{i}]"), &file.path, &file.digest)?;
     }
     core.blobs.of(&tenant).require(&mut files.iter().map(|file| &file.digest))?;
     let files = files.into_iter().map(|f| (f.path, f.digest)).collect();

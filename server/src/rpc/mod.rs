@@ -5,6 +5,7 @@
 mod admin;
 mod blobs;
 mod debug;
+mod door;
 mod jobs;
 mod machines;
 mod operator;

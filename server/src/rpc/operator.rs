@@ -15,7 +15,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 use tracing::Instrument as _;
 
-use super::{Operator, job, submit};
+use super::{Operator, door, job, submit};
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::status;
@@ -37,6 +37,7 @@ impl Service for Operator {
         let Some(Said::JobId(id)) = said.message().await?.and_then(|first| first.content) else {
             return Err(Refusal::field("content", "the first message must name the job (job_id)").into());
         };
+        door::id("job_id", &id)?;
         let record = job(&self.0, &caller, &id)?;
         if !record.attended {
             return Err(Refusal::NotAttended(id).into());
@@ -129,6 +130,7 @@ impl Attend {
             Said::Declined(id) => (id, None),
             Said::Answer(answer) => {
                 let given = answer.answer.ok_or_else(|| Refusal::field("answer.answer", "is missing"))?;
+                door::answer("answer.answer", &given)?;
                 (answer.question_id, Some(submit::answer(given)))
             }
         };

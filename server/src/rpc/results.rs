@@ -15,6 +15,7 @@ use counterpoint_proto::v1::results_server::Results as Service;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
+use super::door::enter;
 use super::{Chunk, Results, blocking, job, page, stream};
 use crate::Record;
 use crate::access::Caller;
@@ -52,7 +53,7 @@ impl Service for Results {
     type GetListingStream = ReceiverStream<Result<v1::GetListingResponse, Status>>;
 
     async fn get_listing(&self, request: Request<v1::GetListingRequest>) -> Answer<v1::GetListingResponse> {
-        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let (caller, request) = enter(request)?;
         let ended = Ended::load(&self.0, &caller, request.job_id).await?;
         let channel = if request.channel == 0 && !request.log { 0 } else { ended.channel(request.channel)? };
         let form = match request {
@@ -69,7 +70,7 @@ impl Service for Results {
     type GetTraceStream = ReceiverStream<Result<v1::GetTraceResponse, Status>>;
 
     async fn get_trace(&self, request: Request<v1::GetTraceRequest>) -> Answer<v1::GetTraceResponse> {
-        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let (caller, request) = enter(request)?;
         let ended = Ended::load(&self.0, &caller, request.job_id).await?;
         let channel = ended.channel(request.channel)?;
         Ok(stream(move |out| Ok(ended.source().trace(channel, out)?)))
@@ -78,7 +79,7 @@ impl Service for Results {
     type GetTimelineStream = ReceiverStream<Result<v1::GetTimelineResponse, Status>>;
 
     async fn get_timeline(&self, request: Request<v1::GetTimelineRequest>) -> Answer<v1::GetTimelineResponse> {
-        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let (caller, request) = enter(request)?;
         let document = match format(request.format)? {
             v1::DrawingFormat::Json => Document::TimelineJson,
             _ => Document::TimelineSvg,
@@ -89,7 +90,7 @@ impl Service for Results {
     type GetToolpathStream = ReceiverStream<Result<v1::GetToolpathResponse, Status>>;
 
     async fn get_toolpath(&self, request: Request<v1::GetToolpathRequest>) -> Answer<v1::GetToolpathResponse> {
-        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let (caller, request) = enter(request)?;
         if !self.0.options.embedded.toolpath {
             return Err(Refusal::NoResults(request.job_id).into());
         }
@@ -103,13 +104,15 @@ impl Service for Results {
     type GetSummaryStream = ReceiverStream<Result<v1::GetSummaryResponse, Status>>;
 
     async fn get_summary(&self, request: Request<v1::GetSummaryRequest>) -> Answer<v1::GetSummaryResponse> {
-        document_of(&self.0, &Caller::of(&request)?, request.into_inner().job_id, Document::Summary).await
+        let (caller, request) = enter(request)?;
+        document_of(&self.0, &caller, request.job_id, Document::Summary).await
     }
 
     type GetEventsStream = ReceiverStream<Result<v1::GetEventsResponse, Status>>;
 
     async fn get_events(&self, request: Request<v1::GetEventsRequest>) -> Answer<v1::GetEventsResponse> {
-        let ended = Ended::load(&self.0, &Caller::of(&request)?, request.into_inner().job_id).await?;
+        let (caller, request) = enter(request)?;
+        let ended = Ended::load(&self.0, &caller, request.job_id).await?;
         Ok(stream(move |out| Ok(ended.source().jsonl(out)?)))
     }
 
@@ -117,7 +120,7 @@ impl Service for Results {
         &self,
         request: Request<v1::ListFilesRequest>,
     ) -> Result<Response<v1::ListFilesResponse>, Status> {
-        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let (caller, request) = enter(request)?;
         let mut files = written(&self.0, &caller, request.job_id).await?;
         files.sort();
         let (files, next_page_token) = page(files, request.page_size, 10_000, &request.page_token, |file| &file.0);
@@ -128,7 +131,7 @@ impl Service for Results {
     type GetFileStream = ReceiverStream<Result<v1::GetFileResponse, Status>>;
 
     async fn get_file(&self, request: Request<v1::GetFileRequest>) -> Answer<v1::GetFileResponse> {
-        let (caller, v1::GetFileRequest { job_id, path }) = (Caller::of(&request)?, request.into_inner());
+        let (caller, v1::GetFileRequest { job_id, path }) = enter(request)?;
         let files = written(&self.0, &caller, job_id).await?;
         let file = files.into_iter().find(|(name, _)| *name == path);
         let (_, text) = file.ok_or(Refusal::UnknownFile(path))?;

@@ -12,18 +12,14 @@ use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 use prost::Message as _;
 
-use crate::blobs::{digest, is_digest};
+use crate::blobs::digest;
 use crate::jobs::Core;
 use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, Work, now_ms};
 use crate::machines::{Definition, candidates, is_shipped};
 use crate::reason::Refusal;
 
-/// Most labels of a job.
-const MOST_LABELS: usize = 32;
-
 /// Checks a request and makes the record of a new job.
 pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -> Result<(Record, Work), Refusal> {
-    check_request_id(&request.request_id)?;
     let content = content_of(&request);
     let files = files(core, &request.files)?;
     let programs = programs(core, &request.programs, &files)?;
@@ -31,7 +27,7 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
     let sent = request.options.unwrap_or_default();
     let own = sent.limits.unwrap_or_default();
     let asked = Asked {
-        labels: labels(request.labels)?,
+        labels: request.labels,
         priority: priority(request.priority)?.unwrap_or_default(),
         deadline_ms: deadline(request.deadline_ms)?,
         rerun_of: String::new(),
@@ -65,13 +61,12 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
 /// Checks a request and makes the record of a job that runs another one again.
 pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobRequest) -> Result<(Record, Work), Refusal> {
     let work = core.work(&earlier.id)?;
-    check_request_id(&request.request_id)?;
     let request_id = std::mem::take(&mut request.request_id);
     let content = format!("{CONTENT}{}", digest(&request.encode_to_vec()));
     // An early row has the limits that counted then instead of those that were requested.
     let early = || Some(work.options.limits.clone()).filter(|_| !earlier.content.starts_with(CONTENT));
     let asked = Asked {
-        labels: if request.labels.is_empty() { earlier.asked.labels } else { labels(request.labels)? },
+        labels: if request.labels.is_empty() { earlier.asked.labels } else { request.labels },
         priority: priority(request.priority)?.unwrap_or(earlier.asked.priority),
         deadline_ms: deadline(request.deadline_ms)?,
         rerun_of: earlier.id,
@@ -101,25 +96,6 @@ fn limited(core: &Core, asked: &Asked, mut work: Work) -> Work {
     work
 }
 
-fn labels(labels: BTreeMap<String, String>) -> Result<BTreeMap<String, String>, Refusal> {
-    if labels.len() > MOST_LABELS {
-        return Err(Refusal::field("labels", format!("at most {MOST_LABELS} are allowed")));
-    }
-    for (key, value) in &labels {
-        let allowed = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b"._/-".contains(&b);
-        let begins = key.starts_with(|c: char| c.is_ascii_lowercase() || c.is_ascii_digit());
-        if !(1..=63).contains(&key.len()) || !key.bytes().all(allowed) || !begins {
-            let text = "a key must have 1 to 63 characters of a-z 0-9 . _ / -, the first a letter or digit";
-            return Err(Refusal::field(format!("labels[{key:?}]"), text));
-        }
-        if value.len() > 255 || value.chars().any(char::is_control) {
-            let text = "must have at most 255 bytes and no control characters";
-            return Err(Refusal::field(format!("labels[{key:?}]"), text));
-        }
-    }
-    Ok(labels)
-}
-
 /// A priority from the wire; none = not given.
 fn priority(number: i32) -> Result<Option<Priority>, Refusal> {
     match v1::JobPriority::try_from(number) {
@@ -135,28 +111,6 @@ fn deadline(ms: i64) -> Result<i64, Refusal> {
     if ms < 0 { Err(Refusal::field("deadline_ms", "must not be negative")) } else { Ok(ms) }
 }
 
-fn check_request_id(id: &str) -> Result<(), Refusal> {
-    let allowed = |b: u8| b.is_ascii_alphanumeric() || b"._:-".contains(&b);
-    if (1..=128).contains(&id.len()) && id.bytes().all(allowed) {
-        return Ok(());
-    }
-    Err(Refusal::field("request_id", "must be 1 to 128 characters of A-Z a-z 0-9 . _ : -"))
-}
-
-/// Checks paths and digests of a list of files.
-pub(super) fn check_file(field: &str, path: &str, digest: &str) -> Result<(), Refusal> {
-    if !path_is_clean(path) {
-        return Err(Refusal::field(
-            format!("{field}.path"),
-            "must be relative, with / between parts, without . and ..",
-        ));
-    }
-    if !is_digest(digest) {
-        return Err(Refusal::field(format!("{field}.digest"), "must be 64 lower-case hexadecimal digits"));
-    }
-    Ok(())
-}
-
 fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>, Refusal> {
     if files.len() > core.options.maxima.max_files {
         return Err(Refusal::field("files", format!("at most {} are allowed", core.options.maxima.max_files)));
@@ -164,16 +118,12 @@ fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>,
     let mut found = BTreeMap::new();
     for (i, file) in files.iter().enumerate() {
         let field = format!("files[{i}]");
-        check_file(&field, &file.path, &file.digest)?;
         if found.insert(file.path.clone(), file.digest.clone()).is_some() {
             return Err(Refusal::field(format!("{field}.path"), "is there twice"));
         }
     }
     Ok(found)
 }
-
-/// Most characters of the name of a section.
-const SECTION_NAME: usize = 80;
 
 fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, String>) -> Result<Vec<Program>, Refusal> {
     if programs.is_empty() || programs.len() > core.options.maxima.max_programs {
@@ -186,10 +136,6 @@ fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, Stri
         }
         let channel = program.channel.map(|c| small(&format!("programs[{i}].channel"), u64::from(c), 1, 9999));
         let section = program.section.clone();
-        if section.as_ref().is_some_and(|name| name.is_empty() || name.chars().count() > SECTION_NAME) {
-            let text = format!("must have 1 to {SECTION_NAME} characters");
-            return Err(Refusal::field(format!("programs[{i}].section"), text));
-        }
         Ok(Program { file: program.path.clone(), number: program.number, section, channel: channel.transpose()? })
     };
     programs.iter().enumerate().map(one).collect()
@@ -365,13 +311,6 @@ fn content_of(request: &v1::SubmitJobRequest) -> String {
 
 /// Whether a path may be used inside a sandbox: relative, `/` between parts, no empty, `.` or `..` part, no
 /// backslash, no colon (drive or stream on some systems), no control character, at most 255 bytes.
-fn path_is_clean(path: &str) -> bool {
-    !path.is_empty()
-        && path.len() <= 255
-        && !path.chars().any(|c| c == '\\' || c == ':' || c.is_control())
-        && path.split('/').all(|part| !matches!(part, "" | "." | ".."))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -425,15 +364,5 @@ mod tests {
         }
         // It must never change: ledgers hold it.
         assert_eq!(content_of(&request), "2:76f703040c740938b71112af4cca35c46ac088d608840e68485a61409f2931b7");
-    }
-
-    #[test]
-    fn only_relative_downward_paths_are_clean() {
-        for path in ["O1000.nc", "sub/O9001", "a b/ü.tps"] {
-            assert!(path_is_clean(path), "{path}");
-        }
-        for path in ["", "/etc/passwd", "../x", "a/../b", "a//b", "a/", "./a", "a\\b", "C:x", "a\nb"] {
-            assert!(!path_is_clean(path), "{path}");
-        }
     }
 }

@@ -376,3 +376,30 @@ fn the_threat_model_names_its_tests() {
     }
     assert!(count >= 20, "{count}");
 }
+
+/// Calls without a known identity are answered at the rate of their address; those of a known one always are.
+#[tokio::test]
+async fn refused_calls_of_an_address_are_limited_and_known_callers_of_it_pass() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = guarded(folder.path());
+    options.guard.max_refused_per_s = 5;
+    let token = grant(&options, "known", "t", Role::Read);
+    let server = Server::start(options).await;
+    let strange = tonic::transport::Endpoint::from_shared(server.handle.url()).unwrap().connect().await.unwrap();
+    let list = || v1::ListJobsRequest::default();
+    let mut reasons = Vec::new();
+    let begin = std::time::Instant::now();
+    for bearer in std::iter::repeat_n([None, Some("guessed".to_owned())], 6).flatten() {
+        let stranger = As { connection: strange.clone(), bearer: Bearer(bearer) };
+        let refused = stranger.jobs().list_jobs(list()).await.unwrap_err();
+        let wait = refused.get_error_details().retry_info().and_then(|info| info.retry_delay);
+        assert_eq!(reason(&refused) == "RATE_LIMITED", wait.is_some());
+        reasons.push(reason(&refused));
+        // The same address, another connection.
+        As::new(&server, &token).jobs().list_jobs(list()).await.unwrap();
+    }
+    assert!(reasons[..5].iter().all(|reason| reason == "UNAUTHENTICATED"), "{reasons:?}");
+    let limited = reasons.iter().filter(|reason| *reason == "RATE_LIMITED").count();
+    assert!(limited >= 1 && begin.elapsed() >= std::time::Duration::from_millis(150), "{reasons:?}");
+    server.stop().await;
+}

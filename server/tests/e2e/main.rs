@@ -20,6 +20,7 @@ mod damage;
 #[cfg(target_os = "linux")]
 mod descriptors;
 mod doctor;
+mod door;
 #[cfg(target_os = "linux")]
 mod each_step;
 #[cfg(target_os = "linux")]
@@ -29,6 +30,7 @@ mod floods;
 mod folder;
 mod guard;
 mod guarded;
+mod gzip;
 #[cfg(target_os = "linux")]
 mod hostile;
 #[cfg(target_os = "linux")]
@@ -41,6 +43,8 @@ mod memory;
 mod metrics;
 mod operator;
 mod otlp;
+#[cfg(target_os = "linux")]
+mod paths;
 mod pause;
 mod rate;
 mod refusals;

@@ -66,9 +66,9 @@ async fn a_very_long_name_is_refused_and_harms_no_other_call() {
     let server = Server::start(options(folder.path())).await;
     let long = "x".repeat(1 << 20);
     let job = v1::GetJobRequest { job_id: long.clone() };
-    assert_eq!(reason(&server.jobs().get_job(job).await.unwrap_err()), "UNKNOWN_JOB");
+    assert_eq!(reason(&server.jobs().get_job(job).await.unwrap_err()), "INVALID_REQUEST");
     let request = v1::SubmitJobRequest { machine: long.clone(), ..server.request("r", "EVENTS 1").await };
-    assert_eq!(reason(&server.jobs().submit_job(request).await.unwrap_err()), "UNKNOWN_MACHINE");
+    assert_eq!(reason(&server.jobs().submit_job(request).await.unwrap_err()), "INVALID_REQUEST");
     let request =
         v1::SubmitJobRequest { labels: [(long, String::new())].into(), ..server.request("r", "EVENTS 1").await };
     assert_eq!(reason(&server.jobs().submit_job(request).await.unwrap_err()), "INVALID_REQUEST");

@@ -1,0 +1,242 @@
+//! The bounds of ids, names, labels, paths and tokens: every text of every request of the contract has one.
+
+use std::collections::BTreeSet;
+
+use counterpoint_proto::{DESCRIPTORS, v1};
+use prost::Message;
+use prost_types::field_descriptor_proto::Type;
+use prost_types::{DescriptorProto, FileDescriptorSet};
+use tonic::codegen::http::uri::PathAndQuery;
+use tonic::{Code, Request};
+use tonic_types::StatusExt;
+
+use crate::support::*;
+
+/// Texts that only the size of the message bounds.
+const UNBOUNDED: [&str; 1] = ["DialogValue.text"];
+
+/// Texts in the requests of the contract: `Message.field`, of a map `Message.field.key` and `Message.field.value`.
+fn texts() -> BTreeSet<String> {
+    let set = FileDescriptorSet::decode(DESCRIPTORS).unwrap();
+    let messages: Vec<&DescriptorProto> = set.file.iter().flat_map(|file| &file.message_type).collect();
+    let services = set.file.iter().flat_map(|file| &file.service).flat_map(|service| &service.method);
+    let short = |name: &str| name.rsplit('.').next().unwrap().to_owned();
+    let mut open: Vec<String> = services.map(|method| short(method.input_type())).collect();
+    let (mut seen, mut texts) = (BTreeSet::new(), BTreeSet::new());
+    while let Some(name) = open.pop() {
+        let Some(message) = messages.iter().find(|message| message.name() == name) else { continue };
+        if !seen.insert(name.clone()) {
+            continue;
+        }
+        for field in &message.field {
+            let place = format!("{name}.{}", field.name());
+            let of_map = message.nested_type.iter().find(|entry| field.type_name().ends_with(entry.name()));
+            match (field.r#type(), of_map.filter(|_| field.r#type() == Type::Message)) {
+                (Type::String, _) => drop(texts.insert(place)),
+                (_, Some(entry)) => {
+                    for part in &entry.field {
+                        match part.r#type() {
+                            Type::String => drop(texts.insert(format!("{place}.{}", part.name()))),
+                            Type::Message => open.push(short(part.type_name())),
+                            _ => {}
+                        }
+                    }
+                }
+                (Type::Message, None) => open.push(short(field.type_name())),
+                _ => {}
+            }
+        }
+    }
+    texts
+}
+
+/// Calls that have been refused, with the texts that were refused.
+struct Door<'a> {
+    server: &'a Server,
+    seen: BTreeSet<String>,
+}
+
+impl Door<'_> {
+    /// Makes a call that must be refused because of a field.
+    async fn refuses<T: Message + 'static>(&mut self, call: &str, request: T, text: &str, field: &str) {
+        let mut raw = tonic::client::Grpc::new(self.server.connection.clone());
+        raw.ready().await.unwrap();
+        let codec = tonic_prost::ProstCodec::<T, ()>::default();
+        let path = PathAndQuery::try_from(format!("/counterpoint.v1.{call}")).unwrap();
+        let refused = raw.unary(Request::new(request), path, codec).await.expect_err(text);
+        assert_eq!((refused.code(), reason(&refused).as_str()), (Code::InvalidArgument, "INVALID_REQUEST"), "{text}");
+        let details = refused.get_error_details();
+        let violation = &details.bad_request().unwrap().field_violations[0];
+        assert!(violation.field.starts_with(field), "{text}: {}", violation.field);
+        assert!(violation.description.starts_with("must ") || violation.description.contains("must "), "{violation:?}");
+        self.seen.insert(text.to_owned());
+    }
+}
+
+macro_rules! single {
+    ($door:ident, $bad:ident: $($call:literal $request:ident.$field:ident),*) => { $(
+        let mut request = v1::$request::default();
+        request.$field = $bad.clone();
+        let text = concat!(stringify!($request), ".", stringify!($field));
+        $door.refuses($call, request, text, stringify!($field)).await;
+    )* };
+}
+
+#[tokio::test]
+async fn every_text_of_every_request_has_a_limit_that_its_refusal_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let digest = digest(b"x");
+    let mut door = Door { server: &server, seen: BTreeSet::new() };
+    for bad in ["x".repeat(5000), "a\nb".to_owned()] {
+        single!(door, bad:
+            "Blobs/Upload" UploadRequest.digest, "Blobs/Download" DownloadRequest.digest,
+            "Jobs/GetJob" GetJobRequest.job_id, "Jobs/WatchJob" WatchJobRequest.job_id,
+            "Jobs/WaitJob" WaitJobRequest.job_id, "Jobs/CancelJob" CancelJobRequest.job_id,
+            "Jobs/PauseJob" PauseJobRequest.job_id, "Jobs/ResumeJob" ResumeJobRequest.job_id,
+            "Jobs/DeleteJob" DeleteJobRequest.job_id, "Jobs/ListJobs" ListJobsRequest.page_token,
+            "Jobs/SubmitJob" SubmitJobRequest.request_id, "Jobs/RerunJob" RerunJobRequest.request_id,
+            "Machines/GetMachine" GetMachineRequest.name, "Machines/PutMachine" PutMachineRequest.name,
+            "Machines/CheckMachine" CheckMachineRequest.name, "Machines/DeleteMachine" DeleteMachineRequest.name,
+            "Machines/ListMachines" ListMachinesRequest.page_token,
+            "Results/GetListing" GetListingRequest.job_id, "Results/GetTrace" GetTraceRequest.job_id,
+            "Results/GetTimeline" GetTimelineRequest.job_id, "Results/GetToolpath" GetToolpathRequest.job_id,
+            "Results/GetSummary" GetSummaryRequest.job_id, "Results/GetEvents" GetEventsRequest.job_id,
+            "Results/ListFiles" ListFilesRequest.job_id, "Results/GetFile" GetFileRequest.job_id);
+        let rerun = v1::RerunJobRequest { request_id: "r".into(), job_id: bad.clone(), ..Default::default() };
+        door.refuses("Jobs/RerunJob", rerun, "RerunJobRequest.job_id", "job_id").await;
+        let one = v1::ListFilesRequest { job_id: "j".into(), page_token: bad.clone(), ..Default::default() };
+        door.refuses("Results/ListFiles", one, "ListFilesRequest.page_token", "page_token").await;
+        let one = v1::GetFileRequest { job_id: "j".into(), path: bad.clone() };
+        door.refuses("Results/GetFile", one, "GetFileRequest.path", "path").await;
+        let find = v1::FindMissingRequest { digests: vec![digest.clone(), bad.clone()] };
+        door.refuses("Blobs/FindMissing", find, "FindMissingRequest.digests", "digests[1]").await;
+        let content = Some(v1::attend_request::Content::JobId(bad.clone()));
+        door.refuses("Operator/Attend", v1::AttendRequest { content }, "AttendRequest.job_id", "job_id").await;
+        let content = Some(v1::debug_request::Content::JobId(bad.clone()));
+        door.refuses("Operator/Debug", v1::DebugRequest { content }, "DebugRequest.job_id", "job_id").await;
+        for (path, digest, field) in [(&bad, &digest, "path"), (&"m".to_owned(), &bad, "digest")] {
+            let files = vec![v1::MachineFile { path: path.clone(), digest: digest.clone() }];
+            let (text, field) = (format!("MachineFile.{field}"), format!("files[0].{field}"));
+            let put = v1::PutMachineRequest { name: "m".into(), files: files.clone() };
+            door.refuses("Machines/PutMachine", put, &text, &field).await;
+            let check = v1::CheckMachineRequest { name: "m".into(), files };
+            door.refuses("Machines/CheckMachine", check, &text, &field).await;
+        }
+        filters(&mut door, &bad).await;
+        submits(&mut door, &bad).await;
+    }
+    breakpoints(&mut door).await;
+    let mut expected = texts();
+    UNBOUNDED.iter().for_each(|text| assert!(expected.remove(*text), "{text}"));
+    assert_eq!(door.seen, expected);
+    server.stop().await;
+}
+
+async fn filters(door: &mut Door<'_>, bad: &str) {
+    let labels = |key: &str, value: &str| [(key.to_owned(), value.to_owned())].into();
+    let filters = [
+        ("machine", v1::JobFilter { machine: bad.into(), ..Default::default() }),
+        ("id_prefix", v1::JobFilter { id_prefix: bad.into(), ..Default::default() }),
+        ("labels.key", v1::JobFilter { labels: labels(bad, "v"), ..Default::default() }),
+        ("labels.value", v1::JobFilter { labels: labels("k", bad), ..Default::default() }),
+    ];
+    for (text, filter) in filters {
+        let field = format!("filter.{}", text.split('.').next().unwrap());
+        let text = format!("JobFilter.{text}");
+        let list = v1::ListJobsRequest { filter: Some(filter.clone()), ..Default::default() };
+        door.refuses("Jobs/ListJobs", list, &text, &field).await;
+        let watch = v1::WatchJobsRequest { filter: Some(filter), ..Default::default() };
+        door.refuses("Jobs/WatchJobs", watch, &text, &field).await;
+    }
+}
+
+/// Changes a request.
+type Change<'a> = Box<dyn Fn(&mut v1::SubmitJobRequest) + 'a>;
+
+async fn submits(door: &mut Door<'_>, bad: &str) {
+    let whole = door.server.request("r", "EVENTS 1").await;
+    let answer = |change: &dyn Fn(&mut v1::DialogAnswer)| {
+        let mut answer = v1::DialogAnswer { dialog: "D".into(), ..Default::default() };
+        change(&mut answer);
+        Some(v1::JobOptions { answers: vec![answer], ..Default::default() })
+    };
+    let label = |key: &str, value: &str| (key.to_owned(), value.to_owned());
+    let changes: Vec<(&str, &str, Change<'_>)> = vec![
+        ("SubmitJobRequest.machine", "machine", Box::new(|r| r.machine = bad.into())),
+        ("SubmitJobRequest.labels.key", "labels", Box::new(|r| r.labels.extend([label(bad, "")]))),
+        ("SubmitJobRequest.labels.value", "labels", Box::new(|r| r.labels.extend([label("k", bad)]))),
+        ("FileRef.path", "files[0].path", Box::new(|r| r.files[0].path = bad.into())),
+        ("FileRef.digest", "files[0].digest", Box::new(|r| r.files[0].digest = bad.into())),
+        ("Program.path", "programs[0].path", Box::new(|r| r.programs[0].path = bad.into())),
+        ("Program.section", "programs[0].section", Box::new(|r| r.programs[0].section = Some(bad.into()))),
+        (
+            "JobOptions.trace",
+            "options.trace",
+            Box::new(|r| r.options = Some(v1::JobOptions { trace: bad.into(), ..Default::default() })),
+        ),
+        (
+            "JobOptions.parameters",
+            "options.parameters",
+            Box::new(|r| r.options = Some(v1::JobOptions { parameters: bad.into(), ..Default::default() })),
+        ),
+        (
+            "DialogAnswer.dialog",
+            "options.answers[0].dialog",
+            Box::new(|r| r.options = answer(&|answer| answer.dialog = bad.into())),
+        ),
+        (
+            "DialogAnswer.button",
+            "options.answers[0].button",
+            Box::new(|r| r.options = answer(&|answer| answer.button = bad.into())),
+        ),
+        (
+            "DialogAnswer.values.key",
+            "options.answers[0].values",
+            Box::new(|r| r.options = answer(&|answer| drop(answer.values.insert(bad.into(), Default::default())))),
+        ),
+    ];
+    for (text, field, change) in changes {
+        let mut request = whole.clone();
+        change(&mut request);
+        door.refuses("Jobs/SubmitJob", request, text, field).await;
+    }
+    let labels = [label("", "v")].into();
+    let rerun = v1::RerunJobRequest { request_id: "r".into(), job_id: "j".into(), labels, ..Default::default() };
+    door.refuses("Jobs/RerunJob", rerun, "RerunJobRequest.labels.key", "labels").await;
+    let labels = [label("k", bad)].into();
+    let rerun = v1::RerunJobRequest { request_id: "r".into(), job_id: "j".into(), labels, ..Default::default() };
+    door.refuses("Jobs/RerunJob", rerun, "RerunJobRequest.labels.value", "labels").await;
+}
+
+/// Breakpoints come on the stream of a stepped job.
+async fn breakpoints(door: &mut Door<'_>) {
+    use v1::breakpoint::At;
+    use v1::debug_command::What;
+    use v1::debug_request::Content;
+    let long = "x".repeat(5000);
+    let line = v1::BreakLine { file: long.clone(), line: 1 };
+    for (text, at, field) in [
+        ("Breakpoint.wait", At::Wait(long.clone()), "wait"),
+        ("Breakpoint.write", At::Write(long.clone()), "write"),
+        ("BreakLine.file", At::Line(line), "line.file"),
+    ] {
+        let mut request = door.server.request(&text.replace('.', "-"), "STEP a").await;
+        request.options = Some(v1::JobOptions { stepped: true, ..Default::default() });
+        let job = door.server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
+        let add = What::Add(v1::Breakpoint { at: Some(at), ..Default::default() });
+        let messages = [Content::JobId(job.clone()), Content::Command(v1::DebugCommand { what: Some(add) })];
+        let messages = messages.map(|content| v1::DebugRequest { content: Some(content) });
+        let mut stream = door.server.operator().debug(tokio_stream::iter(messages)).await.unwrap().into_inner();
+        let refused = loop {
+            match stream.message().await {
+                Ok(message) => assert!(message.is_some(), "{text}"),
+                Err(refused) => break refused,
+            }
+        };
+        let details = refused.get_error_details();
+        assert_eq!(details.bad_request().unwrap().field_violations[0].field, format!("command.add.{field}"));
+        door.seen.insert(text.to_owned());
+        door.server.jobs().cancel_job(v1::CancelJobRequest { job_id: job }).await.unwrap();
+    }
+}
