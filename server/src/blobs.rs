@@ -47,6 +47,9 @@ pub(crate) trait Blobs: Send + Sync + Debug {
     /// Same as [`has`](Self::has) for a caller who relies on it: the blob counts as uploaded now.
     fn offers(&self, digest: &str) -> bool;
 
+    /// Bytes of all blobs of the tenant.
+    fn bytes(&self) -> io::Result<u64>;
+
     /// Bytes of a blob, 0 if there is none.
     fn size(&self, digest: &str) -> u64;
 

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use super::Core;
 use super::live::lock;
@@ -25,6 +25,26 @@ pub(crate) struct Shares {
     tenants: RwLock<Arc<Tenants>>,
     by_connection: Arc<Places<Option<SocketAddr>>>,
     by_tenant: Arc<Places<String>>,
+    /// Bytes of uploads in progress by tenant.
+    growing: Arc<Mutex<BTreeMap<String, u64>>>,
+}
+
+/// The bytes of an upload in progress, which count until this is dropped.
+#[derive(Debug)]
+pub(crate) struct Growing {
+    all: Arc<Mutex<BTreeMap<String, u64>>>,
+    tenant: String,
+    bytes: u64,
+}
+
+impl Drop for Growing {
+    fn drop(&mut self) {
+        let mut all = lock(&self.all);
+        match all.get(&self.tenant).map_or(0, |bytes| bytes.saturating_sub(self.bytes)) {
+            0 => drop(all.remove(&self.tenant)),
+            left => drop(all.insert(self.tenant.clone(), left)),
+        }
+    }
 }
 
 impl Shares {
@@ -34,6 +54,7 @@ impl Shares {
             tenants: RwLock::new(Arc::new(options.tenants.clone())),
             by_connection: Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection)),
             by_tenant: Arc::new(Places::new(usize::MAX, usize::MAX)),
+            growing: Arc::default(),
         }
     }
 }
@@ -76,19 +97,56 @@ impl Core {
         Ok((place, self.shares.by_tenant.take_of(tenant.to_owned(), each).ok_or_else(quota)?))
     }
 
+    /// Refuses that a tenant stores so many bytes more.
+    pub(crate) fn has_room_for(&self, tenant: &str, bytes: u64) -> Result<(), Refusal> {
+        let most = self.quotas_of(tenant).tenant_bytes;
+        if most == 0 {
+            return Ok(());
+        }
+        let (usage, files) = (self.ledger.usage(tenant)?, self.blobs.of(tenant).bytes()?);
+        let growing = lock(&self.shares.growing).get(tenant).copied().unwrap_or(0);
+        let all = [usage.bytes, usage.machines, files, growing, bytes].into_iter().fold(0, u64::saturating_add);
+        if all <= most {
+            return Ok(());
+        }
+        let text = format!(
+            "{} bytes of ended jobs, {} of machines and {} of files are stored: delete ended jobs (DeleteJob) or \
+             machines (DeleteMachine); files that nothing needs are removed after blob_grace_s",
+            usage.bytes,
+            usage.machines,
+            files.saturating_add(growing)
+        );
+        Err(Refusal::quota(tenant, "tenant_bytes", most, text))
+    }
+
+    /// An upload of a tenant that begins.
+    pub(crate) fn growing(&self, tenant: &str) -> Growing {
+        Growing { all: self.shares.growing.clone(), tenant: tenant.to_owned(), bytes: 0 }
+    }
+
+    /// Counts bytes that an upload is about to store, or refuses them.
+    pub(crate) fn grow(&self, upload: &mut Growing, bytes: u64) -> Result<(), Refusal> {
+        self.has_room_for(&upload.tenant, bytes)?;
+        upload.bytes = upload.bytes.saturating_add(bytes);
+        let mut all = lock(&upload.all);
+        let of_tenant = all.entry(upload.tenant.clone()).or_default();
+        *of_tenant = of_tenant.saturating_add(bytes);
+        Ok(())
+    }
+
     /// Refuses new work of a tenant that has reached a quota.
     pub(crate) fn within_quotas(&self, tenant: &str) -> Result<(), Refusal> {
         let quotas = self.quotas_of(tenant);
         if quotas.tenant_bytes == 0 && quotas.tenant_cpu_s == 0 {
             return Ok(());
         }
-        let usage = self.ledger.usage(tenant)?;
-        if quotas.tenant_bytes > 0 && usage.bytes >= quotas.tenant_bytes {
-            let text = format!("{} bytes are stored: delete ended jobs (DeleteJob)", usage.bytes);
-            return Err(Refusal::quota(tenant, "tenant_bytes", quotas.tenant_bytes, text));
+        self.has_room_for(tenant, 1)?;
+        if quotas.tenant_cpu_s == 0 {
+            return Ok(());
         }
+        let usage = self.ledger.usage(tenant)?;
         let seconds = usage.cpu_us_on(day(now_ms())) / 1_000_000;
-        if quotas.tenant_cpu_s > 0 && seconds >= quotas.tenant_cpu_s {
+        if seconds >= quotas.tenant_cpu_s {
             let text = format!(
                 "the jobs that ended today have taken {seconds} s of processor time: submit again after midnight UTC"
             );

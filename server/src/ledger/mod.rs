@@ -133,8 +133,10 @@ pub(crate) fn time_of(id: Uuid) -> i64 {
 /// The use of a tenant.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Usage {
-    /// Bytes of logs, files and results of its ended jobs.
+    /// Bytes of requests, logs, files and results of its ended jobs.
     pub(crate) bytes: u64,
+    /// Bytes of its machines without their files.
+    pub(crate) machines: u64,
     /// Day on which the last job ended, since 1970 UTC, and the processor time of the jobs of that day, µs.
     pub(crate) day: u64,
     pub(crate) cpu_us: u64,

@@ -12,6 +12,7 @@ use dashmap::DashMap;
 use sha2::{Digest, Sha256};
 
 use super::disk::Temporary;
+use super::sizes::Sizes;
 use super::store::Store;
 use crate::blobs::{self, Blobs, hex, is_digest};
 use crate::reason::Refusal;
@@ -31,6 +32,7 @@ pub(crate) struct LocalBlobs {
     place: Place,
     tenant: String,
     max: u64,
+    sizes: Arc<Sizes>,
 }
 
 /// Where blobs are.
@@ -42,12 +44,12 @@ enum Place {
 
 impl LocalBlobs {
     pub(crate) fn new(store: Store, max: u64) -> Self {
-        Self { place: Place::Files(store), tenant: tenant::default(), max }
+        Self { place: Place::Files(store), tenant: tenant::default(), max, sizes: Arc::default() }
     }
 
     /// Blobs that go with the server.
     pub(crate) fn in_memory(max: u64) -> Self {
-        Self { place: Place::Memory(Arc::default()), tenant: tenant::default(), max }
+        Self { place: Place::Memory(Arc::default()), tenant: tenant::default(), max, sizes: Arc::default() }
     }
 
     /// Those of a tenant.
@@ -134,7 +136,13 @@ impl Blobs for LocalBlobs {
 
     fn remove_older(&self, digest: &str, grace: Duration) -> bool {
         let Place::Files(store) = &self.place else { return false };
-        self.age(digest).is_some_and(|age| age >= grace) && fs::remove_file(store.blob(&self.tenant, digest)).is_ok()
+        let size = self.size(digest);
+        let removed = self.age(digest).is_some_and(|age| age >= grace)
+            && fs::remove_file(store.blob(&self.tenant, digest)).is_ok();
+        if removed {
+            self.sizes.gone(&self.tenant, size);
+        }
+        removed
     }
 
     fn read(&self, digest: &str) -> io::Result<Bytes> {
@@ -148,6 +156,13 @@ impl Blobs for LocalBlobs {
             Place::Memory(blobs) => {
                 blobs.get(&self.key(digest)).map(|blob| blob.clone()).ok_or_else(|| io::ErrorKind::NotFound.into())
             }
+        }
+    }
+
+    fn bytes(&self) -> io::Result<u64> {
+        match &self.place {
+            Place::Files(store) => self.sizes.of(&self.tenant, || store.blob_bytes(&self.tenant)),
+            Place::Memory(_) => Ok(0),
         }
     }
 
@@ -288,7 +303,10 @@ impl blobs::Receiver for Receiver {
         }
         match (self.content, &self.blobs.place) {
             (Content::File(file), Place::Files(store)) if !self.blobs.offers(&actual) => {
-                store.keep(file, &store.blob(&self.blobs.tenant, &actual))?
+                let (tenant, path) = (&self.blobs.tenant, store.blob(&self.blobs.tenant, &actual));
+                // Another upload of the same content may have been faster.
+                let new = || Ok::<_, io::Error>((!path.is_file(), store.keep(file, &path)?).0);
+                self.blobs.sizes.place(tenant, self.size, new)?;
             }
             (Content::Memory(content), Place::Memory(blobs)) => {
                 drop(blobs.insert(self.blobs.key(&actual), content.into()))

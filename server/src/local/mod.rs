@@ -11,6 +11,7 @@ mod logs;
 mod marks;
 pub(crate) mod queue;
 mod shared;
+mod sizes;
 mod spare;
 pub(crate) mod store;
 

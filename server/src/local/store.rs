@@ -319,6 +319,17 @@ impl Store {
         names(&self.blobs_of(tenant).join(digits))
     }
 
+    /// Bytes of all blobs of a tenant.
+    pub(crate) fn blob_bytes(&self, tenant: &str) -> io::Result<u64> {
+        let folder = self.blobs_of(tenant);
+        let mut bytes: u64 = 0;
+        for digits in names(&folder)?.iter().filter(|name| !name.starts_with('@')) {
+            let entries = fs::read_dir(folder.join(digits)).into_iter().flatten().flatten();
+            bytes += entries.filter_map(|entry| entry.metadata().ok()).map(|meta| meta.len()).sum::<u64>();
+        }
+        Ok(bytes)
+    }
+
     /// Removes a job's folder; not being there is fine.
     pub(crate) fn remove_job(&self, id: &str) -> io::Result<()> {
         match fs::remove_dir_all(self.job(id)) {

@@ -15,7 +15,7 @@ pub struct Tenant {
     pub queued: Option<usize>,
     /// Most jobs that run at the same time.
     pub running: Option<usize>,
-    /// Most bytes of logs, files and results of ended jobs.
+    /// Most bytes of uploaded files, machines and ended jobs.
     pub bytes: Option<u64>,
     /// Most uploads at the same time.
     pub uploads: Option<usize>,

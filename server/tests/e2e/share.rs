@@ -323,6 +323,44 @@ async fn stored_bytes_of_a_tenant_are_counted_over_restarts() {
     server.stop().await;
 }
 
+/// Uploads, also unfinished ones, and machines count as the results of jobs do.
+#[tokio::test]
+async fn files_and_machines_of_a_tenant_count_and_a_full_share_is_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_bytes: 10_000, ..Quotas::default() };
+    let (server, noisy, quiet) = two(Options { quotas, ..guarded(folder.path()) }).await;
+    noisy.upload(&[b'a'; 4000]).await.unwrap();
+    noisy.upload(&[b'a'; 4000]).await.expect("the same content is stored once");
+    // Announced or not, a content that does not fit is refused and leaves nothing.
+    for size in [Some(7000), None] {
+        let content = [b'b'; 7000];
+        let first = v1::UploadRequest { digest: digest(&content), size, ..Default::default() };
+        let rest = content.chunks(1000);
+        let rest = rest.map(|data| v1::UploadRequest { data: data.to_vec().into(), ..Default::default() });
+        let chunks: Vec<_> = std::iter::once(first).chain(rest).collect();
+        assert_eq!(quota(&noisy.blobs().upload(tokio_stream::iter(chunks)).await.unwrap_err()), "tenant_bytes");
+    }
+    assert!(quiet.upload(&[b'b'; 7000]).await.is_ok(), "another tenant has a share of its own");
+    let toml = format!("extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n{}", "#\n".repeat(1000));
+    let digest = noisy.upload(toml.as_bytes()).await.unwrap();
+    let put = |name: &str| {
+        let file = v1::MachineFile { path: format!("{name}/machine.toml"), digest: digest.clone() };
+        v1::PutMachineRequest { name: name.into(), files: vec![file] }
+    };
+    let mut puts = 0;
+    let refused = loop {
+        match noisy.machines().put_machine(put(&format!("own-{puts}"))).await {
+            Ok(_) => puts += 1,
+            Err(refused) => break refused,
+        }
+    };
+    assert!(quota(&refused) == "tenant_bytes" && (5..20).contains(&puts), "{puts} machines of some 300 bytes");
+    assert_eq!(quota(&noisy.submit("1", LATHE, "x").await.unwrap_err()), "tenant_bytes");
+    noisy.machines().delete_machine(v1::DeleteMachineRequest { name: "own-0".into() }).await.unwrap();
+    noisy.submit("1", LATHE, "x").await.expect("there is room again");
+    server.stop().await;
+}
+
 /// Processor time counts, not the time of the clock, and every run counts.
 #[tokio::test]
 async fn processor_time_of_a_tenant_is_counted_and_a_job_that_waits_takes_none() {

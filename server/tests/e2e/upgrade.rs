@@ -16,10 +16,11 @@ use crate::support::*;
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
 const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
+const MACHINE_BYTES: TableDefinition<'_, &str, u64> = TableDefinition::new("machine_bytes");
 const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 
 /// The schema of this version.
-const NOW: u64 = 8;
+const NOW: u64 = 9;
 
 /// A row as schema 1 began: without answers, limits of the server and counters of the host.
 pub fn row_1(id: &str, request: &str, state: &str, script: &str) -> Value {
@@ -156,7 +157,10 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
         }
         server.until_events(&jobs["running"], 1990).await;
         server.stop().await;
-        back_to_7(folder);
+        back_to_8(folder);
+        if schema <= 7 {
+            back_to_7(folder);
+        }
         if schema == 6 {
             back_to_6(folder);
         }
@@ -213,6 +217,15 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
     }
     txn.commit().unwrap();
     jobs
+}
+
+/// Gives a ledger of schema 9 the form of schema 8: the bytes of requests and machines do not count.
+fn back_to_8(folder: &Path) {
+    let database = redb::Database::open(folder.join("ledger.redb")).unwrap();
+    let txn = database.begin_write().unwrap();
+    txn.delete_table(MACHINE_BYTES).unwrap();
+    txn.open_table(META).unwrap().insert("schema", 8).unwrap();
+    txn.commit().unwrap();
 }
 
 /// Gives a ledger of schema 8 the form of schema 7: the work of each job is in the row of the job.

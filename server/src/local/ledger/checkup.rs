@@ -9,7 +9,9 @@ use bytes::Bytes;
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 
 use super::writer::Place;
-use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, parse, retention, schema, storage, usage, works};
+use super::{
+    JOB, LOG, MACHINE, REQUEST, blob_refs, index, machine_bytes, parse, retention, schema, storage, usage, works,
+};
 use crate::ledger::record::{Record, Work};
 use crate::local::store::Store;
 use crate::machines::Definition;
@@ -114,7 +116,8 @@ impl Checkup {
         rows.wrong_counts = stored != counts
             || retention::listed(&txn)? != ended
             || index::listed(&txn)? != index::expected(rows.jobs.iter())
-            || !usage::agree(&txn, &rows.jobs)?;
+            || !usage::agree(&txn, &rows.jobs)?
+            || !machine_bytes::agree(&txn)?;
         Ok(rows)
     }
 
@@ -156,6 +159,7 @@ impl Checkup {
         retention::list_all(&txn, store)?;
         index::list_all(&txn)?;
         usage::count_all(&txn)?;
+        machine_bytes::count_all(&txn)?;
         txn.commit().map_err(storage)
     }
 }
@@ -195,6 +199,7 @@ pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &Store) -> Result<(
     copy_table(from, &txn, retention::ENDED)?;
     copy_table(from, &txn, index::INDEX)?;
     copy_table(from, &txn, usage::USAGE)?;
+    copy_table(from, &txn, machine_bytes::MACHINE_BYTES)?;
     txn.commit().map_err(storage)
 }
 

@@ -5,7 +5,7 @@
 
 use redb::{ReadTransaction, ReadableTable, WriteTransaction};
 
-use super::{MACHINE, blob_refs, readable, storage};
+use super::{MACHINE, blob_refs, machine_bytes, readable, storage};
 use crate::ledger::Check;
 use crate::machines::Definition;
 use crate::reason::Refusal;
@@ -26,9 +26,13 @@ pub(super) fn put(txn: &WriteTransaction, definition: &Definition, check: Check<
     if !definition.trusted && before.is_some_and(|before: Definition| before.trusted) {
         return Err(of_an_administrator(&definition.name));
     }
-    table.insert(name.as_str(), bytes.as_slice()).map_err(storage)?;
-    let known = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.is_some();
+    let length = |row: redb::AccessGuard<'_, &[u8]>| row.value().len() as u64;
+    let earlier = table.insert(name.as_str(), bytes.as_slice()).map_err(storage)?.map(length);
+    let same = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.map(length);
+    let known = same.is_some();
     drop(table);
+    let gone = earlier.unwrap_or(0) + same.unwrap_or(0);
+    machine_bytes::changed(txn, &definition.tenant, 2 * bytes.len() as u64, gone)?;
     if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(definition)) }
 }
 
@@ -43,17 +47,19 @@ pub(super) fn remove(txn: &WriteTransaction, tenant: &str, name: &str, trusted: 
     if !trusted && newest.is_some_and(|newest| newest.trusted) {
         return Err(of_an_administrator(name));
     }
-    let mut rows = Vec::new();
+    let (mut rows, mut bytes) = (Vec::new(), 0);
     let (first, end) = (format!("{key}@"), format!("{key}A"));
     for row in table.range(first.as_str()..end.as_str()).map_err(storage)? {
         let (name, row) = row.map_err(storage)?;
+        bytes += row.value().len() as u64;
         rows.push((name.value().to_owned(), readable::<Definition>(name.value(), row.value())));
     }
-    table.remove(key.as_str()).map_err(storage)?;
+    bytes += table.remove(key.as_str()).map_err(storage)?.map_or(0, |row| row.value().len() as u64);
     for (name, _) in &rows {
         table.remove(name.as_str()).map_err(storage)?;
     }
     drop(table);
+    machine_bytes::changed(txn, tenant, 0, bytes)?;
     rows.iter()
         .filter_map(|(_, definition)| definition.as_ref())
         .try_for_each(|definition| blob_refs::subtract(txn, &blob_refs::of_machine(definition)))?;
@@ -66,7 +72,7 @@ pub(super) fn all(txn: &ReadTransaction, tenant: &str) -> Result<Vec<Definition>
     let mut found = Vec::new();
     for row in table.iter().map_err(storage)? {
         let (name, bytes) = row.map_err(storage)?;
-        if name.value().contains('@') || name.value().split_once('/').map_or(tenant::DEFAULT, |(of, _)| of) != tenant {
+        if name.value().contains('@') || machine_bytes::tenant_of(name.value()) != tenant {
             continue;
         }
         found.extend(readable::<Definition>(name.value(), bytes.value()));

@@ -7,9 +7,11 @@ mod blob_refs;
 pub(crate) mod checkup;
 mod file;
 mod index;
+mod machine_bytes;
 mod machines;
 mod pace;
 pub(crate) mod retention;
+mod rows;
 mod schema;
 mod usage;
 mod works;
@@ -31,6 +33,7 @@ use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
+use rows::{get, next_id, parse, put, readable, take_out};
 use writer::{Operation, Place, Shared};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
@@ -54,68 +57,6 @@ fn storage(error: impl std::fmt::Display) -> Refusal {
 
 fn closed() -> Refusal {
     storage("the ledger cannot be written at the moment")
-}
-
-fn parse<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Result<T, Refusal> {
-    serde_json::from_slice(bytes).map_err(|error| {
-        Refusal::DataLoss(format!("the row '{row}' of the ledger cannot be read ({error}); submit its job again"))
-    })
-}
-
-/// Same, without a row that cannot be read.
-fn readable<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Option<T> {
-    parse(row, bytes).inspect_err(|error| tracing::error!(%error, "a row of the ledger is left out")).ok()
-}
-
-/// The next identity: ascending in the order of acceptance, also when the clock is set back.
-fn next_id(txn: &WriteTransaction, now: Uuid) -> Result<String, Refusal> {
-    let table = txn.open_table(JOB).map_err(storage)?;
-    let last = table.last().map_err(storage)?.and_then(|(id, _)| Uuid::parse_str(id.value()).ok());
-    Ok(after(last, now).to_string())
-}
-
-/// `new`, or the smallest identity after `last` if `new` is not after it.
-fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
-    match last {
-        Some(last) if new <= last => Uuid::from_u128(last.as_u128().wrapping_add(1)),
-        _ => new,
-    }
-}
-
-fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
-    let bytes = serde_json::to_vec(record).map_err(storage)?;
-    txn.open_table(JOB).map_err(storage)?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
-    if !record.state.ended() {
-        return Ok(());
-    }
-    let before = retention::list(txn, record)?;
-    index::end(txn, record)?;
-    usage::ended(txn, record, before)
-}
-
-/// Removes an ended job with all that belongs to it; it may be gone already.
-fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refusal> {
-    let bytes = retention::unlist(txn, id, ended_ms)?;
-    let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
-    txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
-    let work = works::remove(txn, id)?;
-    let Some(record) = row.and_then(|row| readable::<Record>(id, &row)) else { return Ok(()) };
-    txn.open_table(REQUEST)
-        .map_err(storage)?
-        .remove(tenant::key(&record.tenant, &record.request_id).as_str())
-        .map_err(storage)?;
-    index::remove(txn, &record)?;
-    usage::removed(txn, &record.tenant, bytes)?;
-    match work {
-        Some(work) => blob_refs::subtract(txn, &blob_refs::of_job(&record.tenant, &work)),
-        None => Ok(()),
-    }
-}
-
-fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
-    let table = txn.open_table(JOB).map_err(storage)?;
-    let row = table.get(id).map_err(storage)?;
-    row.map(|row| parse(id, row.value())).transpose()
 }
 
 /// A number for a tenant; 0 for the server itself, whose name is empty.
@@ -374,7 +315,8 @@ impl Ledger for LocalLedger {
     }
 
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal> {
-        usage::of(&self.snapshot()?, tenant)
+        let txn = self.snapshot()?;
+        Ok(Usage { machines: machine_bytes::of(&txn, tenant)?, ..usage::of(&txn, tenant)? })
     }
 
     fn epoch(&self) -> u64 {
@@ -481,20 +423,3 @@ fn same(txn: &WriteTransaction, known: Record, asked: &Record, asked_work: &Work
 
 #[cfg(test)]
 mod model_tests;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn identities_ascend_when_the_clock_is_set_back() {
-        let first = Uuid::from_u128(0x0190_0000_0000_7000_8000_0000_0000_0007);
-        let earlier = Uuid::from_u128(0x0180_0000_0000_7000_8000_0000_0000_0000);
-        let later = Uuid::from_u128(0x0190_0000_0001_7000_8000_0000_0000_0000);
-        assert_eq!(after(None, earlier), earlier);
-        assert_eq!(after(Some(first), later), later);
-        let second = after(Some(first), earlier);
-        assert!(second > first && after(Some(second), first) > second);
-        assert!(second.to_string() > first.to_string(), "texts are ordered as identities are");
-    }
-}

@@ -139,6 +139,11 @@ impl Random {
     }
 }
 
+/// Bytes of a row.
+fn row_bytes(row: &impl serde::Serialize) -> u64 {
+    serde_json::to_vec(row).unwrap().len() as u64
+}
+
 fn definition(random: &mut Random) -> Definition {
     let file = ("m/machine.toml".to_owned(), format!("{:064}", random.below(4)));
     Definition {
@@ -278,9 +283,14 @@ impl Bench {
             let labelled = Query { labels: labels.clone(), machine: Some("m".to_owned()), ..query };
             same("label", ledger.jobs(&labelled).unwrap().jobs.iter().eq(expected))?;
             let usage = ledger.usage(tenant).unwrap();
-            let bytes: u64 = own().filter(|job| job.state.ended()).map(|job| job.runs.stored_bytes).sum();
+            let of_work = |id: &str| twin.works.get(id).map_or(0, row_bytes);
+            let ended = own().filter(|job| job.state.ended());
+            let bytes: u64 = ended.map(|job| job.runs.stored_bytes + of_work(&job.id)).sum();
             let (day, cpu_us) = twin.runs.get(tenant).copied().unwrap_or_default();
-            same("usage", usage == Usage { bytes, day, cpu_us })?;
+            let rows = twin.machines.iter().filter(|((of, _), _)| of == tenant);
+            let rows = rows.flat_map(|(_, (newest, all))| std::iter::once(newest).chain(all.values()));
+            let machines = rows.map(row_bytes).sum();
+            same("usage", usage == Usage { bytes, day, cpu_us, machines })?;
             let mut machines: Vec<_> = twin
                 .machines
                 .iter()

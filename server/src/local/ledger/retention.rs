@@ -6,22 +6,22 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use redb::{ReadTransaction, ReadableTable, ReadableTableMetadata, TableDefinition, WriteTransaction};
 
-use super::{JOB, readable, storage};
+use super::{JOB, readable, storage, works};
 use crate::ledger::record::Record;
 use crate::ledger::{Ended, Keep, Kept};
 use crate::local::store::Store;
 use crate::reason::Refusal;
 
-/// Time of the end and identity → bytes of log, files and results, and tenant.
+/// Time of the end and identity → bytes of work, log, files and results, and tenant.
 pub(super) const ENDED: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDefinition::new("ended_jobs");
 /// The same without tenants, as ledgers before schema 7 have it.
 const EARLIER: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
 
-/// Lists a job that has ended; returns the bytes that it was listed with before.
-pub(super) fn list(txn: &WriteTransaction, record: &Record) -> Result<Option<u64>, Refusal> {
+/// Lists a job that has ended, with its bytes; returns those that it was listed with before.
+pub(super) fn list(txn: &WriteTransaction, record: &Record, bytes: u64) -> Result<Option<u64>, Refusal> {
     let mut table = txn.open_table(ENDED).map_err(storage)?;
     let key = (record.ended_ms, record.id.as_str());
-    let before = table.insert(key, (record.runs.stored_bytes, record.tenant.as_str())).map_err(storage)?;
+    let before = table.insert(key, (bytes, record.tenant.as_str())).map_err(storage)?;
     Ok(before.map(|row| row.value().0))
 }
 
@@ -52,6 +52,7 @@ pub(super) fn list_all(txn: &WriteTransaction, store: &Store) -> Result<(), Refu
         let (id, row) = row.map_err(storage)?;
         if let Some(record) = readable::<Record>(id.value(), row.value()).filter(|record| record.state.ended()) {
             let bytes = store.job_bytes(id.value()).max(record.runs.stored_bytes);
+            let bytes = bytes.saturating_add(works::bytes(txn, id.value())?);
             ended.insert((record.ended_ms, id.value()), (bytes, record.tenant.as_str())).map_err(storage)?;
         }
     }
@@ -160,9 +161,8 @@ mod tests {
         let txn = database.begin_write().unwrap();
         // Ended in another order than accepted.
         for (id, ended_ms, bytes) in [("a", 300, 10), ("b", 100, 20), ("c", 200, 30), ("d", 400, 40)] {
-            let mut ended = Record { state: State::Succeeded, ended_ms, ..record(id) };
-            ended.runs.stored_bytes = bytes;
-            list(&txn, &ended).unwrap();
+            let ended = Record { state: State::Succeeded, ended_ms, ..record(id) };
+            list(&txn, &ended, bytes).unwrap();
         }
         txn.commit().unwrap();
         let expired = |keep: Keep, most| -> String {
@@ -197,9 +197,8 @@ mod tests {
             ("d", "one", 400, 70),
             ("e", "two", 500, 20),
         ] {
-            let mut ended = Record { state: State::Succeeded, ended_ms, tenant: tenant.to_owned(), ..record(id) };
-            ended.runs.stored_bytes = bytes;
-            list(&txn, &ended).unwrap();
+            let ended = Record { state: State::Succeeded, ended_ms, tenant: tenant.to_owned(), ..record(id) };
+            list(&txn, &ended, bytes).unwrap();
         }
         txn.commit().unwrap();
         let expired = |keep: Keep, most| -> String {

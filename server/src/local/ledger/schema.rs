@@ -5,7 +5,7 @@
 
 use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
-use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, retention, storage, usage, works};
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, machine_bytes, retention, storage, usage, works};
 use crate::local::store::Store;
 use crate::reason::Refusal;
 
@@ -16,7 +16,7 @@ type Step = fn(&WriteTransaction, &Store) -> Result<(), Refusal>;
 
 /// The steps: the first leads from form 1 to form 2, and so on.
 const STEPS: &[Step] =
-    &[small_logs, blob_counts, ended_jobs, tenants, terms_and_usage, ended_of_tenants, works_of_jobs];
+    &[small_logs, blob_counts, ended_jobs, tenants, terms_and_usage, ended_of_tenants, works_of_jobs, all_bytes];
 
 /// The form that this server writes.
 pub(super) const SCHEMA: u64 = 1 + STEPS.len() as u64;
@@ -78,6 +78,13 @@ fn ended_of_tenants(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusa
 /// 7 → 8: the work of a job is a row of its own.
 fn works_of_jobs(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
     works::split_all(txn)
+}
+
+/// 8 → 9: the bytes of requests and machines count.
+fn all_bytes(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
+    retention::list_all(txn, store)?;
+    usage::count_all(txn)?;
+    machine_bytes::count_all(txn)
 }
 
 /// The number of this opening.

@@ -15,7 +15,7 @@ use crate::reason::Refusal;
 pub(super) const USAGE: TableDefinition<'_, &str, (u64, u64, u64)> = TableDefinition::new("usage");
 
 fn usage((bytes, day, cpu_us): (u64, u64, u64)) -> Usage {
-    Usage { bytes, day, cpu_us }
+    Usage { bytes, day, cpu_us, machines: 0 }
 }
 
 /// The use of a tenant.
@@ -42,10 +42,10 @@ fn change(txn: &WriteTransaction, tenant: &str, change: impl FnOnce(&mut Usage))
     Ok(())
 }
 
-/// A job has ended that took this many bytes in the list before, if it was there.
-pub(super) fn ended(txn: &WriteTransaction, record: &Record, before: Option<u64>) -> Result<(), Refusal> {
+/// A job has ended that takes this many bytes, and took so many in the list before if it was there.
+pub(super) fn ended(txn: &WriteTransaction, record: &Record, bytes: u64, before: Option<u64>) -> Result<(), Refusal> {
     change(txn, &record.tenant, |usage| {
-        usage.bytes = usage.bytes.saturating_sub(before.unwrap_or(0)).saturating_add(record.runs.stored_bytes);
+        usage.bytes = usage.bytes.saturating_sub(before.unwrap_or(0)).saturating_add(bytes);
         if before.is_none() {
             let day = day(record.ended_ms);
             usage.cpu_us = usage.cpu_us_on(day).saturating_add(record.runs.cpu_us);

@@ -34,6 +34,12 @@ pub(super) fn read(txn: &ReadTransaction, id: &str) -> Result<Option<Work>, Refu
     row.map(|row| parse(id, row.value())).transpose()
 }
 
+/// Bytes of the work of a job.
+pub(super) fn bytes(txn: &WriteTransaction, id: &str) -> Result<u64, Refusal> {
+    let table = txn.open_table(WORK).map_err(storage)?;
+    Ok(table.get(id).map_err(storage)?.map_or(0, |row| row.value().len() as u64))
+}
+
 /// Removes the work of a job and returns it, if it can be read.
 pub(super) fn remove(txn: &WriteTransaction, id: &str) -> Result<Option<Work>, Refusal> {
     let mut table = txn.open_table(WORK).map_err(storage)?;
