@@ -21,7 +21,8 @@ pub(crate) fn event_line(event: &v1::Event) -> Option<String> {
         _ => return None,
     };
     let channel = if event.channel > 0 { format!(" channel {}", event.channel) } else { String::new() };
-    let line = if event.line > 0 { format!(" line {}", event.line) } else { String::new() };
+    let line = if event.caller_line > 0 { event.caller_line } else { event.line };
+    let line = if line > 0 { format!(" line {line}") } else { String::new() };
     Some(format!("{}{channel}{line}: {text}\n", time(event.t_ns)))
 }
 
@@ -59,6 +60,8 @@ mod tests {
             let expected = format!("00:01.500 channel 1 line 3: {word} 2019001 no feed\n");
             assert_eq!(of(1, 3, diagnostic(severity)), Some(expected));
         }
+        let inside = v1::Event { line: 23, caller_line: 4, kind: Some(diagnostic(8)), ..v1::Event::default() };
+        assert_eq!(event_line(&inside), Some("00:00.000 line 4: error 2019001 no feed\n".to_owned()));
         let lifecycle = |phase: v1::Phase| Kind::Lifecycle(v1::Lifecycle { phase: phase.into() });
         assert_eq!(of(0, 0, lifecycle(v1::Phase::MachineStart)), Some("00:01.500: the machine starts\n".to_owned()));
         let alarmed = "00:01.500 channel 2: stopped by an alarm\n".to_owned();

@@ -235,12 +235,14 @@ impl Trial {
         Ok(sink.events)
     }
 
-    /// Seconds of each line of the first program.
+    /// Seconds of each line of the first program; the time of a shipped cycle belongs to the line that calls it.
     fn seconds(&self, events: &[Event]) -> BTreeMap<u32, f64> {
         let mut lines = BTreeMap::new();
         let main = events.iter().find(|event| event.line > 0).map(|event| event.file);
-        for event in events.iter().filter(|event| Some(event.file) == main && event.line > 0) {
-            *lines.entry(event.line).or_insert(0.0) += event.dur_ns as f64 / 1e9;
+        for (event, place) in events.iter().map(|event| (event, event.user_place())) {
+            if Some(place.file) == main && place.is_some() {
+                *lines.entry(place.line).or_insert(0.0) += event.dur_ns as f64 / 1e9;
+            }
         }
         lines
     }

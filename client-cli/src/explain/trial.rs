@@ -25,7 +25,7 @@ struct OfFirstLine(Vec<Value>);
 
 impl Sink for OfFirstLine {
     fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
-        for event in batch.iter().filter(|event| event.line == 1) {
+        for event in batch.iter().filter(|event| event.user_place().line == 1) {
             if let Kind::Diagnostic(told) = &event.kind {
                 self.0.push(json!({ "number": told.number, "severity": told.severity, "text": told.text }));
             }

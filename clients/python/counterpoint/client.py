@@ -270,4 +270,5 @@ def _event(event: event_pb2.Event) -> Optional[Event]:
         return None
     body = getattr(event, kind)
     text = getattr(body, "text", "") or getattr(body, "key", "")
-    return Event(event.seq, event.t_ns / 1e9, event.channel, event.line, kind, text) if text else None
+    line = event.caller_line or event.line
+    return Event(event.seq, event.t_ns / 1e9, event.channel, line, kind, text) if text else None

@@ -7,6 +7,7 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 pub use crate::Unit;
+use crate::event::Origin;
 use crate::{FileId, Letters, Text};
 
 /// How the names of files begin that are stored with the machine.
@@ -90,6 +91,8 @@ pub struct File {
     pub name: String,
     /// It is stored with the machine: its blocks are shown only to clients that ask for them.
     pub stored: bool,
+    /// It is stored with the machine and shipped with this project: reports name the block that called it instead.
+    pub resident: bool,
     /// Text and line index once loaded.
     pub text: OnceLock<Option<Arc<Text>>>,
     /// Stretches that belong to channels or are programs by name, in order; empty when the file is one text.
@@ -161,6 +164,21 @@ impl Info {
     #[must_use]
     pub fn is_stored(&self, file: FileId) -> bool {
         self.files.get(usize::from(file)).is_some_and(|f| f.stored)
+    }
+
+    /// Whether a file is shipped with this project, so that it is no program of the user.
+    #[must_use]
+    pub fn is_resident(&self, file: FileId) -> bool {
+        self.files.get(usize::from(file)).is_some_and(|f| f.resident)
+    }
+
+    /// A block of a resident program as the origin of a diagnostic: the program by its name in calls.
+    #[must_use]
+    pub fn origin(&self, file: FileId, line: u32) -> Origin {
+        let path = self.file_name(file);
+        let name = path.rsplit('/').next().unwrap_or(path).split('.').next().unwrap_or_default();
+        let statement = self.block_text(file, line, BLOCK_TEXT);
+        Origin { name: name.to_ascii_uppercase().into(), file: path.into(), line, statement: (*statement).into() }
     }
 
     /// Channel by number.

@@ -6,11 +6,13 @@ pub mod event;
 pub mod info;
 pub mod letters;
 mod outcome;
+mod place;
 pub mod text;
 mod units;
 
 pub use letters::Letters;
 pub use outcome::Outcome;
+pub use place::SourcePlace;
 pub use text::Text;
 pub use units::{MAX_AXES, Position, Unit};
 

@@ -24,6 +24,11 @@ pub fn shipped() -> Memory {
     FILES.clone()
 }
 
+/// Whether a file of a machine is as shipped: the same path with the same content.
+pub(crate) fn is_shipped(path: &str, content: &Bytes) -> bool {
+    FILES.0.get(path).is_some_and(|shipped| shipped == content)
+}
+
 fn add(dir: &'static Dir<'_>, files: &mut Memory) {
     for entry in dir.entries() {
         match entry {

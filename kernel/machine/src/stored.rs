@@ -11,6 +11,8 @@ pub struct StoredFile {
     pub path: String,
     /// Content.
     pub content: Bytes,
+    /// It is as this project ships it, so it is no program of the user.
+    pub resident: bool,
 }
 
 impl StoredFile {

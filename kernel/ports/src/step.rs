@@ -10,7 +10,7 @@ use std::time::Duration;
 use crate::dialog::answers::Value;
 use crate::state::State;
 use counterpoint_event::event::Wait;
-use counterpoint_event::{FileId, Position};
+use counterpoint_event::{FileId, Position, SourcePlace};
 
 /// The commands of the operator.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,6 +195,9 @@ pub trait Stepper: Sync {
     /// the run there. `first`: no other kernel is further behind. Variables are requested if they may be others than
     /// the last time.
     fn stands(&self, place: &Seen, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool;
+
+    /// Whether a breakpoint is before this block of a resident program; steps go over all others.
+    fn breaks_at(&self, place: SourcePlace) -> bool;
 
     /// Whether something within a block may stop the run.
     fn listens(&self) -> bool;

@@ -146,6 +146,7 @@ fn file_table(
     };
     let file = |name: String, text, source: Option<&Source>| File {
         stored: name.starts_with(StoredFile::ROOT),
+        resident: false,
         name,
         text,
         sections: source.map_or(Vec::new(), sections_of),
@@ -183,7 +184,8 @@ fn file_table(
             reader => Some(shaped(&name, stored.content.clone(), reader)),
         };
         sources.push(|reader| Some(own(reader)));
-        table.push(file(name, OnceLock::from(text_of(&source)), source.as_deref()));
+        let file = file(name, OnceLock::from(text_of(&source)), source.as_deref());
+        table.push(File { resident: stored.resident, ..file });
     }
     (table, sources)
 }

@@ -85,12 +85,13 @@ impl ChannelResults {
         self.digest.event(event);
         self.last_ns = self.last_ns.max(event.t_ns);
         match &event.kind {
-            Kind::Block(block) => self.tally.blocks = self.tally.blocks.max(block.number),
+            Kind::Block(block) => self.tally.block(block.number, event.caller.is_some()),
             Kind::Motion(motion) => {
                 let work = if motion.kind == MotionKind::Rapid { Work::Rapid } else { Work::Feed };
                 self.work(work, event);
                 if let Some(track) = &mut self.track {
-                    track.motion(motion, (event.file, event.line));
+                    let place = event.user_place();
+                    track.motion(motion, (place.file, place.line));
                 }
             }
             Kind::Call(_) | Kind::Return(_) => {}
@@ -102,15 +103,16 @@ impl ChannelResults {
     fn work(&mut self, work: Work, event: &Event) {
         if event.dur_ns > 0 {
             self.tally.work(work, event);
-            self.bars.push(work, event.t_ns, event.dur_ns, event.line);
+            self.bars.push(work, event.t_ns, event.dur_ns, event.user_place());
         }
     }
 
     fn other(&mut self, event: &Event) {
+        let place = event.user_place();
         match &event.kind {
-            Kind::Wait(wait) => self.wait = Some(Stay::new(wait, event.t_ns, (event.file, event.line))),
+            Kind::Wait(wait) => self.wait = Some(Stay::new(wait, event.t_ns, (place.file, place.line))),
             Kind::Release(release) => {
-                let stay = self.wait.take().unwrap_or_else(|| Stay::unseen(release, (event.file, event.line)));
+                let stay = self.wait.take().unwrap_or_else(|| Stay::unseen(release, (place.file, place.line)));
                 self.tally.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns));
                 self.bars.wait(release.since_ns, event.t_ns, &stay);
                 self.stays.push(stay.ended(release, event.t_ns));
@@ -128,7 +130,7 @@ impl ChannelResults {
                 {
                     self.bars.carried(event.t_ns, &carried.axes);
                     if let Some(track) = &mut self.track {
-                        track.carried(carried, (event.file, event.line));
+                        track.carried(carried, (place.file, place.line));
                     }
                 }
                 if let (Kind::Mode(mode), Some(track)) = (kind, &mut self.track) {

@@ -1,9 +1,9 @@
 //! One event as one line of JSON.
 //!
-//! Every object begins with `seq, t_ns, dur_ns, channel, kind, file, line`; the kind's own fields follow, and the word
-//! of a diagnostic after its fields. `file` is
-//! empty when `line` is 0 and belongs to no block. *Invariants:* each line is valid JSON for any texts and numbers
-//! of the event are; a number that JSON cannot hold is `null`; positions are objects with every axis of the channel, in
+//! Every object begins with `seq, t_ns, dur_ns, channel, kind, file, line`, and with `caller_file, caller_line` inside a
+//! shipped program; the kind's own fields follow, and the word of a diagnostic after its fields. `file` is empty when
+//! `line` is 0 and belongs to no block. *Invariants:* each line is valid JSON, whatever the texts and numbers of the event
+//! are; a number that JSON cannot hold is `null`; positions are objects with every axis of the channel, in
 //! channel order.
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //!
 //! *Invariant:* kept whole; everything else is read off each channel alone ([`super::channel_results`]).
 
-use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Verdict};
+use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, SourcePlace, Verdict};
 
 /// One such event.
 #[derive(Debug)]
@@ -13,6 +13,7 @@ pub struct Reported {
     pub channel: u16,
     pub file: FileId,
     pub line: u32,
+    pub caller: SourcePlace,
     pub what: What,
 }
 
@@ -31,17 +32,17 @@ impl Reported {
             Kind::Verdict(verdict) => What::Verdict(verdict.clone()),
             _ => return None,
         };
-        let Event { t_ns, micro, channel, file, line, .. } = *event;
-        Some(Self { t_ns, micro, channel, file, line, what })
+        let Event { t_ns, micro, channel, file, line, caller, .. } = *event;
+        Some(Self { t_ns, micro, channel, file, line, caller, what })
     }
 
     /// The event it was.
     pub fn event(&self) -> Event {
-        let Self { t_ns, micro, channel, file, line, .. } = *self;
+        let Self { t_ns, micro, channel, file, line, caller, .. } = *self;
         let kind = match &self.what {
             What::Diagnostic(diagnostic) => Kind::Diagnostic(diagnostic.clone()),
             What::Verdict(verdict) => Kind::Verdict(verdict.clone()),
         };
-        Event { t_ns, micro, dur_ns: 0, channel, file, line, kind }
+        Event { t_ns, micro, dur_ns: 0, channel, file, line, caller, kind }
     }
 }

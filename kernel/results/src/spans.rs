@@ -49,10 +49,11 @@ impl Spans {
     /// Any event that is neither block nor motion; returns the tool that it loads.
     pub fn event(&mut self, event: &Event) -> Option<u32> {
         let Kind::Tool(ToolChange { action: ToolAction::Load, tool, .. }) = event.kind else { return None };
+        let place = event.user_place();
         let again = self.loads.last().is_some_and(|(last, ..)| *last == tool);
         match self.loads.len() {
             _ if again => {}
-            0..MOST => self.loads.push((tool, event.t_ns, event.file, event.line)),
+            0..MOST => self.loads.push((tool, event.t_ns, place.file, place.line)),
             _ => self.full = self.full.or(Some(event.t_ns)),
         }
         Some(tool)

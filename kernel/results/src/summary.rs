@@ -18,7 +18,7 @@ pub use crate::tools::Tool;
 use crate::analysis::{Analysis, Race};
 use crate::late::Late;
 use crate::reported::{Reported, What};
-use counterpoint_event::event::{FileId, Origin, VerdictKind};
+use counterpoint_event::event::{FileId, Origin, SourcePlace, VerdictKind};
 use counterpoint_event::info::{self, BLOCK_TEXT, Info};
 use counterpoint_fault as diag;
 use tally::Tally;
@@ -96,7 +96,7 @@ pub struct Channel {
     pub program: String,
     /// How it ended.
     pub state: ChannelState,
-    /// Blocks read.
+    /// Blocks of the user's programs that were read; those of shipped cycles are not counted.
     pub blocks: u64,
     /// When it ended, ns: of a blocked channel its arrival at the wait.
     pub end_ns: i64,
@@ -194,7 +194,7 @@ impl Channel {
             name: channel.name.clone(),
             program: channel.program.clone(),
             state,
-            blocks: tally.blocks,
+            blocks: tally.blocks(),
             end_ns,
             feed_ns: tally.feed_ns,
             rapid_ns: tally.rapid_ns,
@@ -267,25 +267,27 @@ impl Findings {
         self.highest_severity = self.highest_severity.max(diagnostic.severity);
         self.lost |= [diag::LINT_LOST.number, diag::LINT_ORDER.number].contains(&diagnostic.number);
         if let Some(race) = diagnostic.race.as_deref().filter(|_| self.races.len() < MAX_DIAGNOSTICS) {
-            let lines = [(race.channel, race.line), (reported.channel, reported.line)];
+            let line = reported.caller.or(SourcePlace::new(reported.file, reported.line)).line;
+            let lines = [(race.channel, race.line), (reported.channel, line)];
             self.races.push((race.variable.as_ref().into(), lines.into()));
         }
         if self.diagnostics.len() >= MAX_DIAGNOSTICS {
             return;
         }
-        let (file, block) = self.place(reported.file, reported.line);
+        let place = reported.caller.or(SourcePlace::new(reported.file, reported.line));
+        let (file, block) = self.place(place.file, place.line);
         self.diagnostics.push(Diagnostic {
             number: diagnostic.number,
             name: diag::name(diagnostic.number).unwrap_or_default().to_owned(),
             severity: diagnostic.severity,
             channel: reported.channel,
             file,
-            line: reported.line,
+            line: place.line,
             block,
             text: diagnostic.text.to_string(),
             operation: diagnostic.operation.to_string(),
             kernel: diagnostic.kernel.to_string(),
-            origin: diagnostic.origin.clone(),
+            origin: diagnostic.origin.clone().or_else(|| self.origin(reported)),
             t_ns: reported.t_ns,
         });
     }
@@ -301,6 +303,11 @@ impl Findings {
             text: verdict.text.to_string(),
             members: verdict.members.iter().map(member).collect(),
         }
+    }
+
+    /// The block of a resident program that raised a diagnostic, if it was one.
+    fn origin(&self, reported: &Reported) -> Option<Box<Origin>> {
+        reported.caller.is_some().then(|| Box::new(self.info.origin(reported.file, reported.line)))
     }
 
     /// File name and block text of a line.

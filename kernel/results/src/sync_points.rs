@@ -65,7 +65,7 @@ pub type Waits = Late<Vec<SyncPoint>>;
 pub struct Stay {
     wait: Arc<Wait>,
     pub(super) since_ns: i64,
-    file: FileId,
+    pub(super) file: FileId,
     pub(super) line: u32,
     /// Number of the sync point that ended it and when it did; both 0: none yet.
     met: (u64, i64),

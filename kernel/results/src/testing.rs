@@ -6,7 +6,9 @@ use crate::builder::{Results, ResultsBuilder};
 use counterpoint_event::Outcome;
 use counterpoint_event::Text;
 use counterpoint_event::event::{Diagnostic, FeedUnit};
-use counterpoint_event::event::{Event, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Release, Wait};
+use counterpoint_event::event::{
+    Event, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Release, SourcePlace, Wait,
+};
 use counterpoint_event::info::{Axis, Channel, File, Info, Room, Unit};
 
 /// A job of a two-turret lathe (X diameter, Z, C on the upper one) with a program text for each channel.
@@ -38,7 +40,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
     let file = |(index, text): (usize, &&str)| {
         let name = format!("jobs/p{}.nc", index + 1);
         let source = Arc::new(Text::new(bytes::Bytes::copy_from_slice(text.as_bytes()), || false));
-        File { name, stored: false, text: OnceLock::from(Some(source)), sections: Vec::new() }
+        File { name, stored: false, resident: false, text: OnceLock::from(Some(source)), sections: Vec::new() }
     };
     Arc::new(Info {
         machine: "lathe2".into(),
@@ -57,7 +59,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
 
 /// An event of a channel in its own file.
 pub(crate) fn at(channel: u16, line: u32, t_ns: i64, dur_ns: i64, kind: Kind) -> Event {
-    Event { t_ns, micro: 0, dur_ns, channel, file: channel.saturating_sub(1), line, kind }
+    Event { t_ns, micro: 0, dur_ns, channel, file: channel.saturating_sub(1), line, caller: SourcePlace::NONE, kind }
 }
 
 pub(crate) fn life(channel: u16, t_ns: i64, phase: Phase) -> Event {

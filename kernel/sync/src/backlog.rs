@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::tag::Tag;
-use counterpoint_event::event::{Dwell, Event, Kind};
+use counterpoint_event::event::{Dwell, Event, Kind, SourcePlace};
 use counterpoint_results::channel_results::ChannelResults;
 
 /// Events in order. The log may read them while they wait here.
@@ -28,7 +28,16 @@ const MOST_SMALL: usize = 64;
 
 /// An event to be overwritten.
 pub fn blank() -> Event {
-    Event { t_ns: 0, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind: Kind::Dwell(Dwell) }
+    Event {
+        t_ns: 0,
+        micro: 0,
+        dur_ns: 0,
+        channel: 0,
+        file: 0,
+        line: 0,
+        caller: SourcePlace::NONE,
+        kind: Kind::Dwell(Dwell),
+    }
 }
 
 /// Events that wait, and the results that they will be taken into.
@@ -236,7 +245,16 @@ mod tests {
     use super::*;
 
     fn events(times: std::ops::Range<i64>) -> Vec<Event> {
-        let event = |t_ns| Event { t_ns, micro: 0, dur_ns: 0, channel: 1, file: 0, line: 0, kind: Kind::Dwell(Dwell) };
+        let event = |t_ns| Event {
+            t_ns,
+            micro: 0,
+            dur_ns: 0,
+            channel: 1,
+            file: 0,
+            line: 0,
+            caller: SourcePlace::NONE,
+            kind: Kind::Dwell(Dwell),
+        };
         times.map(event).collect()
     }
 

@@ -351,7 +351,7 @@ fn recycle(stream: &mut Stream, events: Chunk) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use counterpoint_event::event::{Dwell, Kind};
+    use counterpoint_event::event::{Dwell, Kind, SourcePlace};
 
     /// The channels and times of a log.
     #[derive(Default)]
@@ -365,7 +365,16 @@ mod tests {
     }
 
     fn chunk(channel: u16, t_ns: i64) -> Chunk {
-        Chunk::new(vec![Event { t_ns, micro: 0, dur_ns: 0, channel, file: 0, line: 0, kind: Kind::Dwell(Dwell) }])
+        Chunk::new(vec![Event {
+            t_ns,
+            micro: 0,
+            dur_ns: 0,
+            channel,
+            file: 0,
+            line: 0,
+            caller: SourcePlace::NONE,
+            kind: Kind::Dwell(Dwell),
+        }])
     }
 
     #[test]

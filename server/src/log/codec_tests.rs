@@ -198,6 +198,20 @@ fn kinds() -> Vec<Kind> {
     ]
 }
 
+/// A block of a shipped cycle, with the block of the user's program that called it.
+fn called() -> Event {
+    Event {
+        t_ns: 5,
+        micro: 0,
+        dur_ns: 0,
+        channel: 1,
+        file: 4,
+        line: 3,
+        caller: SourcePlace::new(1, 70_000),
+        kind: Kind::Block(Block { number: 9 }),
+    }
+}
+
 pub(super) fn events() -> Vec<Event> {
     kinds()
         .into_iter()
@@ -209,8 +223,10 @@ pub(super) fn events() -> Vec<Event> {
             channel: (i % 4) as u16,
             file: (i % 5) as u16,
             line: i * 100_000,
+            caller: SourcePlace::NONE,
             kind,
         })
+        .chain([called()])
         .collect()
 }
 
@@ -226,7 +242,13 @@ fn info() -> Info {
         axes: ["X", "Y", "Z", "C"].iter().take(2 + usize::from(number)).map(|name| axis(name)).collect(),
         lower: false,
     };
-    let file = |name: &str| File { name: name.into(), stored: false, text: OnceLock::new(), sections: Vec::new() };
+    let file = |name: &str| File {
+        name: name.into(),
+        stored: false,
+        resident: false,
+        text: OnceLock::new(),
+        sections: Vec::new(),
+    };
     Info {
         machine: "m".into(),
         machine_number: 1,

@@ -150,7 +150,7 @@ impl Source<'_> {
         let mut events = self.events()?;
         let (info, summary) = (self.info, &finished.results.summary);
         match form {
-            Form::Console => listing::render_console(channel, &mut events, out)?,
+            Form::Console => listing::render_console(info, channel, &mut events, out)?,
             Form::Log => listing::render_log(info, channel, summary, &mut events, out)?,
             Form::Listing if channel == 0 => listing::render_merged(info, summary, &mut events, out)?,
             Form::Listing => listing::render(info, channel, summary, &mut events, out)?,

@@ -134,7 +134,16 @@ pub fn event(seq: u64) -> Event {
             length: 1.0,
         }),
     };
-    Event { t_ns: seq as i64 * 1000, micro: 0, dur_ns: 1000, channel: 1, file: 0, line, kind }
+    Event {
+        t_ns: seq as i64 * 1000,
+        micro: 0,
+        dur_ns: 1000,
+        channel: 1,
+        file: 0,
+        line,
+        caller: SourcePlace::NONE,
+        kind,
+    }
 }
 
 impl Ready {

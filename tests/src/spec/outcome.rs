@@ -81,7 +81,7 @@ pub(super) fn listing(kind: &str, channel: u16, info: &Info, done: &Done) -> Str
     let written = match kind {
         "trace" => listing::render_trace(info, channel, &mut events, &mut out),
         "log" => listing::render_log(info, channel, summary, &mut events, &mut out),
-        "console" => listing::render_console(0, &mut events, &mut out),
+        "console" => listing::render_console(info, 0, &mut events, &mut out),
         "merged" => listing::render_merged(info, summary, &mut events, &mut out),
         _ => listing::render(info, channel, summary, &mut events, &mut out),
     };

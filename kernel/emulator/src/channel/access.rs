@@ -102,7 +102,8 @@ impl Kernel<'_> {
         };
         let mode = if mode == Mode::Read && self.is_polling() { Mode::Poll } else { mode };
         let at = &self.channel.at;
-        let own = Access { channel: at.channel, file: at.file, line: at.line };
+        let place = at.user_place();
+        let own = Access { channel: at.channel, file: place.file, line: place.line };
         let (result, races) = self.shared_ahead(|order| {
             let races = order.races.as_mut().map(|races| races.access(&variable, own, mode)).unwrap_or_default();
             (reach(order, mode, operation), races)

@@ -13,7 +13,7 @@ use super::search::Labels;
 use crate::state::figure::Figure;
 use crate::state::turning::ContourCycle;
 use counterpoint_dialect as dialect;
-use counterpoint_event::event::{FileId, Position, Stop};
+use counterpoint_event::event::{FileId, Position, SourcePlace, Stop};
 use counterpoint_motion::turning::strip::Strip;
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
@@ -22,6 +22,8 @@ use counterpoint_program::spot::Spot;
 #[derive(Debug, Clone)]
 pub(crate) struct Frame {
     pub(crate) file: FileId,
+    /// Where the user's program called it, if the text is a resident program.
+    pub(crate) caller: SourcePlace,
     pub(crate) range: Range,
     /// Next line to read.
     pub(crate) next: u32,
@@ -210,6 +212,7 @@ impl Frame {
     pub(crate) fn main(file: FileId, range: Range, name: Arc<str>) -> Self {
         Self {
             file,
+            caller: SourcePlace::NONE,
             range,
             next: range.first,
             offset: 0,

@@ -1,5 +1,7 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
+use crate::state::channel::BlockPlace;
+use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
 use super::Kernel;
@@ -62,7 +64,7 @@ impl Kernel<'_> {
     fn run(&mut self, start: (FileId, Range, Arc<str>), again: Option<bool>) -> Ending {
         let (file, range, name) = start;
         self.ports.progress.set_state(State::Running);
-        (self.channel.at.file, self.channel.at.line) = (file, 0);
+        self.channel.at.go_to(BlockPlace { file, line: 0, caller: SourcePlace::NONE });
         self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
         let begun = match again {
             Some(reset) => self.begin_again(file, range, name, reset),
@@ -141,7 +143,8 @@ impl Kernel<'_> {
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             self.emit(0, Kind::Lifecycle(phase));
             ended = Some(self.tag());
-            let finish = Finish { how, file: self.channel.at.file, line: self.channel.at.line };
+            let SourcePlace { file, line } = self.channel.at.user_place();
+            let finish = Finish { how, file, line };
             let (tag, info) = (self.tag(), self.channel.env.info);
             // A reset ends one channel, even where an alarm would end all.
             let stop_all = halt == Halt::Alarm
@@ -174,8 +177,8 @@ impl Kernel<'_> {
         let (how, ..) = terminal(halt);
         self.come_to_rest();
         self.flush();
-        let (channel, finish) =
-            (self.channel.at.channel, Finish { how, file: self.channel.at.file, line: self.channel.at.line });
+        let SourcePlace { file, line } = self.channel.at.user_place();
+        let (channel, finish) = (self.channel.at.channel, Finish { how, file, line });
         self.ports.coordinator.done(channel, |order| {
             if order.waits.places.end(channel).is_none() && halt != Halt::Blocked {
                 order.waits.finish(channel, finish);
@@ -205,7 +208,7 @@ impl Kernel<'_> {
 
     fn log_of_master(&mut self, (file, line): (FileId, u32), kind: Kind) {
         let (t_ns, micro) = (self.channel.at.clock, self.channel.at.micro);
-        self.push_event(Event { t_ns, micro, dur_ns: 0, channel: 0, file, line, kind });
+        self.push_event(Event { t_ns, micro, dur_ns: 0, channel: 0, file, line, caller: SourcePlace::NONE, kind });
     }
 
     /// Limits of the job that one channel can reach.
@@ -251,18 +254,18 @@ impl Kernel<'_> {
 
     /// Stops the whole job here, at a limit or because it can never continue, and reports the activity of each channel.
     pub(crate) fn limit(&mut self, reason: &str, limit: Option<Limit>) -> Halt {
-        self.stop_all(reason, limit, self.channel.at.line)
+        self.stop_all(reason, limit, self.channel.at.user_place())
     }
 
     /// The same, at a line of the loop that never ends or at the block.
-    fn stop_all(&mut self, reason: &str, limit: Option<Limit>, line: u32) -> Halt {
+    fn stop_all(&mut self, reason: &str, limit: Option<Limit>, place: SourcePlace) -> Halt {
         let kind = limit.map_or(VerdictKind::PartnerSpinning, |_| VerdictKind::Limit);
         let (own_channel, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
         if limit.is_some() {
             self.report_polled();
         }
         let own = self.what_it_did(reason, if limit.is_some() { ":" } else { "" });
-        let file = self.channel.at.file;
+        let SourcePlace { file, line } = place;
         let verdict = self.shared(|order| {
             let mut sentences = vec![own];
             let mut members = Vec::new();
@@ -294,9 +297,9 @@ impl Kernel<'_> {
     }
 
     fn what_it_did(&self, reason: &str, colon: &str) -> String {
-        let pass = self.flow.pass.last();
-        let name = self.channel.env.info.place_name(self.channel.at.file, self.channel.at.line);
-        if pass.count > 1 {
+        let (pass, place) = (self.flow.pass.last(), self.channel.at.user_place());
+        let name = self.channel.env.info.place_name(place.file, place.line);
+        if pass.count > 1 && !self.channel.at.caller.is_some() {
             let (_, first, last) = pass.key;
             format!(
                 "channel {}{colon} {reason}; it looped {} times over lines {first}-{last} of {name} without reaching a wait",
@@ -306,15 +309,16 @@ impl Kernel<'_> {
             format!(
                 "channel {}{colon} {reason} at {}",
                 self.channel.at.channel,
-                verdict::place(self.channel.env.info, self.channel.at.file, self.channel.at.line)
+                verdict::place(self.channel.env.info, place.file, place.line)
             )
         }
     }
 
     /// A loop that only reads shared variables is hopeless once no other channel can change them.
     pub(crate) fn spinning(&mut self, line: u32, names: &str) -> Halt {
-        let place = verdict::place(self.channel.env.info, self.channel.at.file, line);
+        let at = self.channel.at.caller.or(SourcePlace::new(self.channel.at.file, line));
+        let place = verdict::place(self.channel.env.info, at.file, at.line);
         let reason = format!("polls {names} at {place}, and no channel is left to change that");
-        self.stop_all(&reason, None, line)
+        self.stop_all(&reason, None, at)
     }
 }

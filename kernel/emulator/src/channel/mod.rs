@@ -134,14 +134,14 @@ impl Kernel<'_> {
     /// Adds an event whose kind is written where it stays.
     #[inline(always)]
     pub(crate) fn emit_as(&mut self, dur_ns: i64, write: impl FnOnce(&mut Kind)) {
-        let At { channel, clock, micro, file, line, .. } = self.channel.at;
+        let At { channel, clock, micro, file, line, caller, .. } = self.channel.at;
         let slot = match self.ports.emitter.slot() {
             Some(event) => Some(event),
             None => self.other_slot(Tag { t: clock, micro, channel }),
         };
         if let Some(event) = slot {
             (event.t_ns, event.micro, event.dur_ns) = (clock, micro, dur_ns);
-            (event.channel, event.file, event.line) = (channel, file, line);
+            (event.channel, event.file, event.line, event.caller) = (channel, file, line, caller);
             write(&mut event.kind);
         }
     }

@@ -44,6 +44,7 @@ impl Kernel<'_> {
             channel: at.channel,
             file: at.file,
             line: at.line,
+            caller: at.caller,
             kind: Kind::Motion(*motion),
         };
         let exact = self.channel.block.flags.exact_stop
@@ -177,9 +178,9 @@ impl Kernel<'_> {
 
     /// Adds an event of this block during the last move, ns.
     pub(super) fn emit_during(&mut self, t_ns: i64, micro: u32, kind: Kind) {
-        let At { channel, file, line, .. } = self.channel.at;
+        let At { channel, file, line, caller, .. } = self.channel.at;
         if let Some(pace) = &mut self.channel.pace {
-            pace.add_during(Event { t_ns, micro, dur_ns: 0, channel, file, line, kind });
+            pace.add_during(Event { t_ns, micro, dur_ns: 0, channel, file, line, caller, kind });
         }
         self.hold_back();
     }

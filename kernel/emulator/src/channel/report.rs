@@ -135,12 +135,15 @@ impl Kernel<'_> {
         self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 
-    /// Text of the current block, for messages: at most 60 characters. Codes that a macro executes without a text of
+    /// Text of the user's current block, for messages: at most 60 characters. Codes that a macro executes without a text of
     /// their own belong to the block of the program.
     pub(crate) fn block_text(&self) -> String {
         match self.macros.block.text.as_ref().filter(|text| !text.trim().is_empty()) {
             Some(text) => counterpoint_event::info::cut(text, 60),
-            None => self.channel.env.info.block_text(self.channel.at.file, self.channel.at.line, 60).into_owned(),
+            None => {
+                let place = self.channel.at.user_place();
+                self.channel.env.info.block_text(place.file, place.line, 60).into_owned()
+            }
         }
     }
 }

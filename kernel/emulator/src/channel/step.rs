@@ -4,6 +4,7 @@
 //! *Invariant:* nothing here changes the next action of the kernel, except a reset; a kernel without stepping never
 //! gets here.
 
+use counterpoint_event::SourcePlace;
 use counterpoint_fault::{self as diag, Acted, Halt};
 use counterpoint_lang::value::Value;
 use counterpoint_ports::dialog::answers::Value as Shown;
@@ -28,10 +29,16 @@ impl Kernel<'_> {
             return Err(Halt::Stopped);
         }
         let Some(stepper) = self.ports.stepper else { return Ok(()) };
+        let at = &self.channel.at;
+        if at.caller.is_some() && !stepper.breaks_at(SourcePlace::new(at.file, at.line)) {
+            // Steps go over the blocks of resident programs.
+            return Ok(());
+        }
         let (channel, clock) = (self.channel.at.channel, self.channel.bound());
         let first = self.ports.coordinator.is_furthest_behind(channel, clock);
         let variables = &self.dialect.variables;
-        if stepper.stands(&self.place(), first, (variables.writes(), &|| variables.with_value(MOST))) {
+        let place = self.place(SourcePlace::new(self.channel.at.file, self.channel.at.line));
+        if stepper.stands(&place, first, (variables.writes(), &|| variables.with_value(MOST))) {
             return Ok(());
         }
         self.hold(stepper);
@@ -94,16 +101,16 @@ impl Kernel<'_> {
     }
 
     fn seen(&self) -> Seen {
-        Seen { variables: self.dialect.variables.with_value(MOST), ..self.place() }
+        Seen { variables: self.dialect.variables.with_value(MOST), ..self.place(self.channel.at.user_place()) }
     }
 
     /// The same without variables.
-    fn place(&self) -> Seen {
+    fn place(&self, place: SourcePlace) -> Seen {
         let at = &self.channel.at;
         Seen {
             channel: at.channel,
-            file: at.file,
-            line: at.line,
+            file: place.file,
+            line: place.line,
             t_ns: at.clock,
             position: self.channel.state.place.position,
             variables: Vec::new(),

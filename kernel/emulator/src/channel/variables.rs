@@ -172,7 +172,8 @@ impl Kernel<'_> {
             _ if within(&self.channel.env.machine.variables.channel, index) => {
                 let value = self.dialect.variables.own.get(&index).copied().unwrap_or(VACANT);
                 if is_vacant(value) && !self.ports.coordinator.is_single() {
-                    let place = (self.channel.at.file, self.channel.at.line);
+                    let place = self.channel.at.user_place();
+                    let place = (place.file, place.line);
                     self.dialect.variables.uses.read_in_vain(index, place);
                 }
                 Ok(value)
@@ -210,7 +211,8 @@ impl Kernel<'_> {
                 self.flow.pass.changes = true;
                 self.dialect.variables.set_own(index, value);
                 if !self.ports.coordinator.is_single() {
-                    let place = (self.channel.at.file, self.channel.at.line);
+                    let place = self.channel.at.user_place();
+                    let place = (place.file, place.line);
                     self.dialect.variables.uses.write(index, place);
                 }
                 Ok(())

@@ -3,6 +3,7 @@
 //! Facts: reference channel-synchronisation.md 1.0 to 1.9. *Invariant:* a kernel waits only here and in shared
 //! operations; `sync` defines the meaning of a wait.
 
+use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
 use counterpoint_fault::{Acted, Halt};
@@ -193,7 +194,7 @@ impl Logged {
 
 /// Where the channel arrives, and how it ends if the control refuses that.
 fn arrival(kernel: &mut Kernel<'_>, wait: wait::Wait) -> (Waiting, Finish) {
-    let (file, line) = (kernel.channel.at.file, kernel.channel.at.line);
+    let SourcePlace { file, line } = kernel.channel.at.user_place();
     (Waiting { wait, tag: kernel.tag(), file, line }, Finish { how: Terminal::Alarmed, file, line })
 }
 
@@ -214,7 +215,7 @@ impl Kernel<'_> {
             pace.acted = brakes;
         }
         self.emit_during(brakes, 0, Kind::Wait(logged.wait.clone()));
-        let (file, line) = (self.channel.at.file, self.channel.at.line);
+        let SourcePlace { file, line } = self.channel.at.user_place();
         let own = Finish { how: Terminal::Alarmed, file, line };
         let (waiting, info) = (Waiting { wait, tag, file, line }, self.channel.env.info);
         let (after, warning) = self.in_order(tag, |order| order.arrive_in_motion(waiting, own, info))?;

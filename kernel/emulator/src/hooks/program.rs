@@ -2,6 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
 
+use crate::state::channel::BlockPlace;
+use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -103,7 +105,7 @@ impl Kernel<'_> {
         if !reset {
             self.switch_compensation();
         }
-        (self.channel.at.file, self.channel.at.line) = (file, 0);
+        self.channel.at.go_to(BlockPlace { file, line: 0, caller: SourcePlace::NONE });
         for _ in self.flow.frames.iter().filter(|frame| frame.own_variables) {
             self.dialect.variables.leave();
         }

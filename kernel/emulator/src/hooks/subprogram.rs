@@ -155,7 +155,7 @@ impl Kernel<'_> {
             _ => return Ok(()),
         }
         let level = self.flow.frames.len();
-        let place = (self.channel.at.file, self.channel.at.line, self.channel.text.edited.clone());
+        let place = (self.channel.at.block_place(), self.channel.text.edited.clone());
         let runtime = &mut *self.macros;
         let later = std::mem::take(&mut runtime.issued.later);
         let matching = std::mem::replace(&mut runtime.hooks.matching, true);
@@ -166,7 +166,8 @@ impl Kernel<'_> {
             self.macros.calls.ticks(Some(TICKS));
             done = self.step();
         }
-        (self.channel.at.file, self.channel.at.line, self.channel.text.edited) = place;
+        self.channel.at.go_to(place.0);
+        self.channel.text.edited = place.1;
         let runtime = &mut *self.macros;
         runtime.calls.ticks(ticks);
         runtime.hooks.matching = matching;

@@ -80,8 +80,8 @@ impl Kernel<'_> {
             field.is_some_and(|field| matches!(field.kind, FieldKind::Number { .. }))
         };
         let operator = self.ports.control.operator();
-        let (channel, file, line) =
-            (self.channel.at.channel, self.channel.env.info.file_name(self.channel.at.file), self.channel.at.line);
+        let place = self.channel.at.user_place();
+        let (channel, file, line) = (self.channel.at.channel, self.channel.env.info.file_name(place.file), place.line);
         let mut current = |variable: &str| {
             let value = self.bound(variable).and_then(|at| to_dialog(&self.bound_value(state, at)))?;
             // A field of numbers may be bound to a text.

@@ -11,6 +11,7 @@ mod statements;
 mod unknown;
 mod words;
 
+use crate::state::channel::BlockPlace;
 use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -117,14 +118,14 @@ impl Walk<'_, '_> {
         let kernel = &mut *self.kernel;
         let sources = kernel.channel.env.sources;
         let Some(frame) = kernel.frame() else { return Err(Halt::ProgramEnd(None)) };
-        let (file, line) = (frame.file, frame.next);
+        let (file, line, caller) = (frame.file, frame.next, frame.caller);
         if line > frame.range.last {
             return kernel.text_ends().map(|()| None);
         }
         frame.next = line + 1;
         let Some(source) = sources.get(file) else { return Err(Halt::ProgramEnd(None)) };
         self.read += 1;
-        (kernel.channel.at.file, kernel.channel.at.line) = (file, line);
+        kernel.channel.at.go_to(BlockPlace { file, line, caller });
         let text = source.line(line);
         if text.iter().all(u8::is_ascii_whitespace) {
             return Ok(Some(Arc::default()));

@@ -3,6 +3,7 @@
 //! *Invariant:* a part is searched line by line, regardless of its jumps; if they lead beyond it, the part grows. An
 //! effect that cannot be known counts as one that others notice.
 
+use crate::state::channel::BlockPlace;
 use std::sync::Arc;
 
 use counterpoint_dialect::outline::{Called, Goal, Step};
@@ -193,8 +194,7 @@ impl Walk<'_, '_> {
         let kernel = &*self.kernel;
         let frame = kernel.flow.frames.last();
         Stands {
-            file: kernel.channel.at.file,
-            line: kernel.channel.at.line,
+            place: kernel.channel.at.block_place(),
             offset: kernel.flow.offset,
             next: frame.map(|frame| (frame.next, frame.offset)),
             edited: kernel.channel.text.edited.clone(),
@@ -203,7 +203,7 @@ impl Walk<'_, '_> {
 
     pub(super) fn back_to(&mut self, stands: Stands) {
         let kernel = &mut *self.kernel;
-        (kernel.channel.at.file, kernel.channel.at.line) = (stands.file, stands.line);
+        kernel.channel.at.go_to(stands.place);
         kernel.flow.offset = stands.offset;
         kernel.channel.text.edited = stands.edited;
         if let (Some(frame), Some(next)) = (kernel.flow.frames.last_mut(), stands.next) {
@@ -227,8 +227,7 @@ pub(super) enum Looked {
 
 /// Where a channel is.
 pub(super) struct Stands {
-    file: FileId,
-    line: u32,
+    place: BlockPlace,
     offset: u32,
     next: Option<(u32, u32)>,
     edited: Option<std::sync::Arc<[u8]>>,

@@ -6,6 +6,7 @@
 //! a contour that is a subprogram. Facts: reference turning-cycles.md 1.3. Decision: macros of the machine do not see
 //! blocks that are read.
 
+use crate::state::channel::BlockPlace;
 use std::sync::Arc;
 
 use crate::channel::Kernel;
@@ -115,13 +116,11 @@ impl Kernel<'_> {
 
     /// The contour has been run: the tool goes back, as moves of the cycle. Axes that go off the part are first.
     pub(crate) fn end_contour(&mut self, (back, off): &(Position, u8)) -> Acted {
-        if let Some((file, line)) =
-            self.frame().map(|frame| (frame.file, frame.next, frame.offset)).map(|at| match at {
-                (file, line, 0) => (file, line.saturating_sub(1)),
-                (file, line, _) => (file, line),
-            })
-        {
-            (self.channel.at.file, self.channel.at.line) = (file, line);
+        if let Some(place) = self.frame().map(|frame| {
+            let line = if frame.offset == 0 { frame.next.saturating_sub(1) } else { frame.next };
+            BlockPlace { file: frame.file, line, caller: frame.caller }
+        }) {
+            self.channel.at.go_to(place);
             self.channel.text.edited = None;
         }
         if *off != 0 {
@@ -162,7 +161,7 @@ impl Kernel<'_> {
     /// Runs a subprogram whose moves are the contour of cycles to come (Siemens).
     pub(crate) fn read_subprogram(&mut self, call: Call) -> Acted {
         let plane = self.channel.active_plane();
-        let place = (self.channel.at.file, self.channel.at.line);
+        let place = self.channel.at.block_place();
         self.channel.state.others.turning.reads = true;
         let read = self.reading(plane, |kernel| {
             let level = kernel.flow.frames.len();
@@ -173,7 +172,7 @@ impl Kernel<'_> {
             Ok(())
         });
         self.channel.state.others.turning.reads = false;
-        (self.channel.at.file, self.channel.at.line) = place;
+        self.channel.at.go_to(place);
         self.channel.state.others.turning.kept = read?;
         Ok(())
     }

@@ -6,6 +6,8 @@
 //! reported once for each file and channel.
 
 use crate::channel::Kernel;
+use crate::state::channel::BlockPlace;
+use counterpoint_event::SourcePlace;
 use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::model::{Placement, RewindStop};
@@ -106,10 +108,10 @@ impl Kernel<'_> {
         } else {
             format!("lines {from} to {to} of {name} are before the program and belong to no program")
         };
-        let place = (self.channel.at.file, self.channel.at.line);
-        (self.channel.at.file, self.channel.at.line) = (file, from);
+        let place = self.channel.at.block_place();
+        self.channel.at.go_to(BlockPlace { file, line: from, caller: SourcePlace::NONE });
         self.diagnose(&diag::TEXT_OF_NO_PROGRAM, text);
-        (self.channel.at.file, self.channel.at.line) = place;
+        self.channel.at.go_to(place);
     }
 
     /// Whether this place is reported for the first time.

@@ -199,7 +199,7 @@ impl Kernel<'_> {
         Err(self.alarm(facts, text))
     }
 
-    pub(crate) fn enter(&mut self, frame: Frame) {
+    pub(crate) fn enter(&mut self, mut frame: Frame) {
         let (level, name) = (self.flow.frames.len() as u16, &frame.name);
         self.emit_as(0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
         if self.ports.emitter.carries(name.len()) {
@@ -207,6 +207,9 @@ impl Kernel<'_> {
         }
         self.flow.repeats = true;
         self.flow.pass.changes = true;
+        if self.channel.env.info.is_resident(frame.file) {
+            frame.caller = self.channel.at.user_place();
+        }
         self.flow.frames.push(frame);
         self.interpreter_call();
     }

@@ -6,6 +6,7 @@ use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use crate::channel::Kernel;
+use crate::state::channel::BlockPlace;
 use counterpoint_event::event::{Block, FileId, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::model::{Format, RewindStop};
@@ -44,7 +45,7 @@ impl Kernel<'_> {
         }
         let sources = self.channel.env.sources;
         let Some(frame) = self.frame() else { return Err(Halt::ProgramEnd(None)) };
-        let (file, line) = (frame.file, frame.next);
+        let (file, line, caller) = (frame.file, frame.next, frame.caller);
         if line > frame.range.last {
             return self.text_ends();
         }
@@ -53,7 +54,7 @@ impl Kernel<'_> {
         if self.flow.repeats && hooks.is_none() && self.is_as_read(source) {
             let known = self.leads_on((file, line));
             if known.is_some() || self.executes((file, line)) {
-                (self.channel.at.file, self.channel.at.line) = (file, line);
+                self.channel.at.go_to(BlockPlace { file, line, caller });
                 self.begin_block()?;
                 match &known {
                     Some(known) => self.lead_on(known),
@@ -66,7 +67,7 @@ impl Kernel<'_> {
         if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
             return Ok(());
         }
-        (self.channel.at.file, self.channel.at.line) = (file, line);
+        self.channel.at.go_to(BlockPlace { file, line, caller });
         self.begin_block()?;
         if text.len() > self.channel.env.options.limits.block_length {
             return Err(self.too_long(text.len()));
@@ -176,9 +177,12 @@ impl Kernel<'_> {
         self.channel.state.remembered.remember_sequence(self.channel.block.sequence);
         self.channel.at.blocks += 1;
         self.channel.at.idle_blocks += 1;
-        self.ports.progress.blocks.store(self.channel.at.blocks, Relaxed);
-        self.ports.progress.line.store(self.channel.at.line, Relaxed);
-        self.ports.progress.file.store(u32::from(self.channel.at.file), Relaxed);
+        if !self.channel.at.caller.is_some() {
+            self.channel.at.user_blocks += 1;
+            self.ports.progress.blocks.store(self.channel.at.user_blocks, Relaxed);
+            self.ports.progress.line.store(self.channel.at.line, Relaxed);
+            self.ports.progress.file.store(u32::from(self.channel.at.file), Relaxed);
+        }
         self.ports.progress.t_ns.store(self.channel.at.clock, Relaxed);
         let goes_on = self.ports.coordinator.publish(self.channel.at.channel, self.channel.bound());
         if !goes_on || self.ports.control.interferes() {

@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* a part is plain data with methods of its own; none of them knows the kernel.
 
+use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
@@ -83,13 +84,42 @@ pub struct At {
     pub(crate) file: FileId,
     /// Line of the block being processed.
     pub(crate) line: u32,
+    /// Where the user's program called the resident program of the block; none in the user's own programs.
+    pub(crate) caller: SourcePlace,
     /// Blocks read.
     pub(crate) blocks: u64,
+    /// Blocks of the user's programs among them.
+    pub(crate) user_blocks: u64,
     /// Consecutive blocks without time.
     pub(crate) idle_blocks: u64,
 }
 
+/// Where a block is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct BlockPlace {
+    pub(crate) file: FileId,
+    pub(crate) line: u32,
+    /// Where the user's program called the resident program of the block.
+    pub(crate) caller: SourcePlace,
+}
+
 impl At {
+    /// The innermost place of the block in the programs of the user.
+    pub(crate) fn user_place(&self) -> SourcePlace {
+        self.caller.or(SourcePlace::new(self.file, self.line))
+    }
+
+    /// Where the block is, to come back to it.
+    pub(crate) fn block_place(&self) -> BlockPlace {
+        BlockPlace { file: self.file, line: self.line, caller: self.caller }
+    }
+
+    /// Goes to a block.
+    #[inline(always)]
+    pub(crate) fn go_to(&mut self, place: BlockPlace) {
+        (self.file, self.line, self.caller) = (place.file, place.line, place.caller);
+    }
+
     /// The tag of the kernel's current operation.
     pub(crate) fn tag(&self) -> Tag {
         Tag { t: self.clock, micro: self.micro, channel: self.channel }

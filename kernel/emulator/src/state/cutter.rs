@@ -1,12 +1,13 @@
 //! The memory of compensation between moves.
 
+use crate::state::channel::BlockPlace;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use std::sync::Arc;
 
 use counterpoint_motion::arc::Arc as MotionArc;
 
 use super::channel::Channel;
-use counterpoint_event::event::{Event, FeedUnit, FileId, Position};
+use counterpoint_event::event::{Event, FeedUnit, Position};
 use counterpoint_motion::contour::element::{Element, Spot};
 
 use super::corner::{Asked, Corner, Open};
@@ -78,8 +79,7 @@ pub(crate) struct Waiting {
     pub(crate) open: Option<Open>,
     /// It is the path to the contour, whose beginning is the end of this move.
     pub(crate) smooth: Option<Box<Smooth>>,
-    pub(crate) file: FileId,
-    pub(crate) line: u32,
+    pub(crate) place: BlockPlace,
     pub(crate) block: u64,
     /// Held time when it came, ns.
     pub(crate) clock: i64,

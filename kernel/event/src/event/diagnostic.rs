@@ -61,11 +61,11 @@ impl fmt::Display for Unrecognised {
 }
 
 record! {
-    /// A statement of a macro that raised a diagnostic.
+    /// A statement of a macro, or a block of a resident program, that raised a diagnostic.
     #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
     #[serde(default)]
     pub struct Origin {
-        /// Name of the macro as the trace shows it.
+        /// Name of the macro as the trace shows it, or of the program as blocks call it.
         #[serde(rename = "macro")]
         pub name: Box<str> = 1 [as "macro"],
         /// Its file.

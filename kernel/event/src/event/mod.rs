@@ -47,7 +47,7 @@ pub use verdict::{Member, Verdict, VerdictKind};
 pub use wait::{Primitive, Release, Wait};
 pub use work::Work;
 
-pub use crate::{FileId, MAX_AXES, Position};
+pub use crate::{FileId, MAX_AXES, Position, SourcePlace};
 
 use fields::{Datum, Field, Fields, Texts, Value};
 
@@ -66,6 +66,8 @@ pub struct Event {
     pub file: FileId,
     /// Line in the file, from 1; 0 when the event belongs to no line.
     pub line: u32,
+    /// Where the user's program called the resident program to which the block belongs; none for the user's own blocks.
+    pub caller: SourcePlace,
     /// Its kind.
     pub kind: Kind,
 }
@@ -126,7 +128,8 @@ impl Kind {
 }
 
 impl Event {
-    /// Writes the fields that every event has; `seq` is its number in the log, from 1. Those of its kind follow.
+    /// Writes the fields that every event has; `seq` is its number in the log, from 1. Those of its kind follow. The
+    /// fingerprint does not count the caller: it follows from the events before.
     #[inline]
     pub fn head(&self, seq: u64, out: &mut impl Fields) {
         seq.put(Field::new(1, "seq"), out);
@@ -137,6 +140,17 @@ impl Event {
         out.put(Field::shown("kind"), Value::Text(self.kind.word()));
         out.put(Field::new(6, "file"), Value::File(self.file, self.line));
         self.line.put(Field::new(7, "line"), out);
+        if self.caller.is_some() {
+            out.put(Field::new(8, "caller_file"), Value::File(self.caller.file, self.caller.line));
+            self.caller.line.put(Field::new(9, "caller_line"), out);
+        }
+    }
+
+    /// The innermost place of the block in the programs of the user.
+    #[inline(always)]
+    #[must_use]
+    pub fn user_place(&self) -> SourcePlace {
+        self.caller.or(SourcePlace::new(self.file, self.line))
     }
 
     /// Reads an event and its number in the log; the fields of its kind are in `kind`, of this number in the oneof.
@@ -151,6 +165,7 @@ impl Event {
             channel: Datum::get(5, head)?,
             file: Datum::get(6, head)?,
             line: Datum::get(7, head)?,
+            caller: SourcePlace::new(Datum::get(8, head)?, Datum::get(9, head)?),
             kind,
         };
         Some((seq, event))

@@ -29,7 +29,7 @@ use counterpoint_emulator::channel::parts::{Ports, Setup};
 use counterpoint_emulator::channel::plan::Plan;
 use counterpoint_emulator::state::channel::Environment;
 use counterpoint_event::Outcome;
-use counterpoint_event::event::{Event, Kind, Phase};
+use counterpoint_event::event::{Event, Kind, Phase, SourcePlace};
 use counterpoint_machine::model::Channel;
 use counterpoint_ports::control::{Control, Progress, State};
 use counterpoint_ports::files::Files;
@@ -325,7 +325,7 @@ fn guarded(kernel: Kernel<'_>, at: Option<At>, reset: Option<bool>, coordinator:
 }
 
 fn master(t_ns: i64, kind: Kind) -> Event {
-    Event { t_ns, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind }
+    Event { t_ns, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, caller: SourcePlace::NONE, kind }
 }
 
 impl<'a> Assembly<'a> {

@@ -2,6 +2,7 @@
 //!
 //! Invariant: they inspect the progress of a kernel and change nothing.
 
+use counterpoint_event::SourcePlace;
 use counterpoint_event::info::Info;
 use counterpoint_machine::Machine;
 use counterpoint_ports::step::{Breakpoint, Event, Seen, Spot};
@@ -98,6 +99,14 @@ impl Breakpoints {
     /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
         self.list.is_empty()
+    }
+
+    /// Whether a breakpoint is at this line.
+    pub(super) fn is_at(&self, place: SourcePlace, info: &Info) -> bool {
+        self.list.iter().any(|set| match &set.of.spot {
+            Spot::Line { file, line } => *line == place.line && is_file(file, info.file_name(place.file)),
+            _ => false,
+        })
     }
 
     /// Whether a breakpoint is before this block, which may or may not stop the run.

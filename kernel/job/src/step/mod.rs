@@ -9,6 +9,7 @@ mod breakpoints;
 mod decide;
 mod report;
 
+use counterpoint_event::SourcePlace;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -271,6 +272,11 @@ impl Stepper for Director<'_> {
     fn stands(&self, place: &Seen, first: bool, variables: (u64, &dyn Fn() -> Vec<(u32, f64)>)) -> bool {
         let news = self.console.has_news();
         self.lock().stands(place, (first, news), self.info, variables)
+    }
+
+    fn breaks_at(&self, place: SourcePlace) -> bool {
+        let state = self.lock();
+        !state.detached && state.breakpoints.is_at(place, self.info)
     }
 
     fn listens(&self) -> bool {

@@ -3,6 +3,7 @@
 //! Invariant: paths are unique regardless of letter case, sorted, and use `/`. Facts: reference control-emulator.md
 //! 7.1.
 
+use crate::package;
 use crate::stored::StoredFile;
 use crate::toml::section::Section;
 use counterpoint_ports::files::Files;
@@ -38,7 +39,8 @@ pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Vec<StoredFile> 
         match files.read(&path) {
             Ok(content) => {
                 size += content.len();
-                stored.push(StoredFile { path: inside.to_owned(), content });
+                let resident = package::is_shipped(&path, &content);
+                stored.push(StoredFile { path: inside.to_owned(), content, resident });
             }
             Err(error) => top.error("files", error.to_string()),
         }

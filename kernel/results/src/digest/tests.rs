@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use super::*;
+use counterpoint_event::SourcePlace;
 use counterpoint_event::event::{
     Block, Call, Coolant, Diagnostic, Direction, Dwell, Frame, Function, Member, Message, Origin, Outlet, Phase,
     Primitive, Release, Return, Spindle, Stop, ToolAction, ToolChange, ToolData, Verdict, VerdictKind, Wait,
 };
 
 fn event(kind: Kind) -> Event {
-    Event { t_ns: 7, micro: 1, dur_ns: 3, channel: 2, file: 1, line: 40, kind }
+    Event { t_ns: 7, micro: 1, dur_ns: 3, channel: 2, file: 1, line: 40, caller: SourcePlace::NONE, kind }
 }
 
 fn motion() -> Motion {

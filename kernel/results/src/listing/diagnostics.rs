@@ -2,9 +2,10 @@
 //!
 //! Layout: reference listing-and-trace.md 5 and 7.5.
 
+use std::borrow::Cow;
 use std::io::{Result, Write};
 
-use counterpoint_event::event::{Diagnostic, Event};
+use counterpoint_event::event::{Diagnostic, Event, Origin};
 use counterpoint_event::info::Info;
 
 /// Characters of a line before the text wraps.
@@ -21,12 +22,14 @@ pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &m
             writeln!(out, "{:indent$}{line}", "")?;
         }
     }
-    if let Some(origin) = &diagnostic.origin {
-        writeln!(out, "  MACRO({}) LINE({}): {}", origin.name, origin.line, origin.statement)?;
+    if let Some(origin) = origin(info, event, diagnostic) {
+        let word = if diagnostic.origin.is_some() { "MACRO" } else { "PROGRAM" };
+        writeln!(out, "  {word}({}) LINE({}): {}", origin.name, origin.line, origin.statement)?;
     }
-    let path = if event.line == 0 { "-" } else { info.file_name(event.file) };
+    let place = event.user_place();
+    let path = if place.is_some() { info.file_name(place.file) } else { "-" };
     let file = path.rsplit('/').next().unwrap_or(path);
-    let (severity, line, number) = (diagnostic.severity, event.line, diagnostic.number);
+    let (severity, line, number) = (diagnostic.severity, place.line, diagnostic.number);
     write!(out, "  SEVERITY({severity:02}) LINE({line:05}) ERRNUM({number:08}) INPUT({file})")?;
     if !diagnostic.operation.is_empty() {
         write!(out, " OPER({})", diagnostic.operation)?;
@@ -39,6 +42,12 @@ pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &m
         write!(out, " KERNEL({name})")?;
     }
     writeln!(out)
+}
+
+/// The statement of a macro that raised it, or the block of a resident program.
+pub(super) fn origin<'d>(info: &Info, event: &Event, diagnostic: &'d Diagnostic) -> Option<Cow<'d, Origin>> {
+    let program = || event.caller.is_some().then(|| Cow::Owned(info.origin(event.file, event.line)));
+    diagnostic.origin.as_deref().map(Cow::Borrowed).or_else(program)
 }
 
 /// Lines of at most `width` characters, broken at blanks where there are any.

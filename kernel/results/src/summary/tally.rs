@@ -13,8 +13,10 @@ pub struct Tally {
     end: Option<(ChannelState, i64)>,
     /// Its program has begun.
     begun: bool,
-    /// Blocks read.
-    pub blocks: u64,
+    /// Blocks read, those of resident programs too.
+    read: u64,
+    /// Blocks of resident programs.
+    resident: u64,
     /// Time of feed moves, ns.
     pub feed_ns: i64,
     /// Time of rapid moves, ns.
@@ -32,6 +34,18 @@ impl Tally {
     pub fn times(&self) -> ToolTimes {
         let Self { feed_ns, rapid_ns, misc_ns, wait_ns, .. } = *self;
         ToolTimes { feed_ns, rapid_ns, misc_ns, wait_ns }
+    }
+
+    /// Blocks of the user's programs.
+    pub fn blocks(&self) -> u64 {
+        self.read.saturating_sub(self.resident)
+    }
+
+    /// A block with its number. `resident`: the user's program has called the program that it belongs to.
+    #[inline]
+    pub fn block(&mut self, number: u64, resident: bool) {
+        self.read = self.read.max(number);
+        self.resident += u64::from(resident);
     }
 
     /// Adds time to its kind of work.

@@ -5,10 +5,13 @@
 
 use std::sync::Arc;
 
+use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use crate::sync_points::Stay;
 use counterpoint_event::event::Work;
+use counterpoint_event::info::Info;
+use counterpoint_event::{FileId, SourcePlace};
 
 /// Bars a channel has at most.
 pub const MOST: usize = 20_000;
@@ -25,9 +28,11 @@ pub struct Bar {
     pub t_ns: i64,
     /// Duration, ns.
     pub dur_ns: i64,
-    /// Line of its first block.
+    /// File of its blocks in the user's programs; of joined bars that of the first one.
+    pub file: Arc<str>,
+    /// Line of its first block in that file.
     pub line: u32,
-    /// Line of its last block.
+    /// Line of its last block in that file.
     pub end_line: u32,
     /// Mark of a wait.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -38,6 +43,9 @@ pub struct Bar {
     /// Time of the kind, when shorter ones of other kinds are inside.
     #[serde(skip)]
     pub(super) own_ns: i64,
+    /// Number of the file.
+    #[serde(skip)]
+    file_id: FileId,
 }
 
 /// Names of axes that another channel moves. Few bars have them, so the name is kept outside the bar.
@@ -60,9 +68,18 @@ impl Bar {
         self.t_ns.saturating_add(self.dur_ns)
     }
 
+    /// Work at one place; the name of its file comes last ([`Bars::finish`]).
+    fn new(kind: Work, (t_ns, dur_ns): (i64, i64), place: SourcePlace) -> Self {
+        let SourcePlace { file: file_id, line } = place;
+        let file = Arc::default();
+        Self { kind, t_ns, dur_ns, file, line, end_line: line, label: None, carried: None, own_ns: dur_ns, file_id }
+    }
+
     fn absorb(&mut self, next: &mut Self) {
         self.dur_ns = next.end_ns() - self.t_ns;
-        self.end_line = next.end_line;
+        if next.file_id == self.file_id {
+            self.end_line = next.end_line;
+        }
         if next.kind == self.kind {
             self.own_ns += next.own_ns;
         } else if next.own_ns > self.own_ns {
@@ -92,43 +109,25 @@ impl Bars {
 
     /// A stretch of work that follows all others.
     #[inline]
-    pub fn push(&mut self, kind: Work, t_ns: i64, dur_ns: i64, line: u32) {
+    pub fn push(&mut self, kind: Work, t_ns: i64, dur_ns: i64, place: SourcePlace) {
         if let Some(last) = self.bars.last_mut()
-            && (last.kind == kind || last.dur_ns < self.grain_ns)
+            && (last.kind == kind && last.file_id == place.file || last.dur_ns < self.grain_ns)
             && kind != Work::Wait
             && last.kind != Work::Wait
             && last.end_ns() == t_ns
         {
-            last.absorb(&mut Bar {
-                kind,
-                t_ns,
-                dur_ns,
-                line,
-                end_line: line,
-                label: None,
-                carried: None,
-                own_ns: dur_ns,
-            });
+            last.absorb(&mut Bar::new(kind, (t_ns, dur_ns), place));
             return;
         }
-        self.add(Bar { kind, t_ns, dur_ns, line, end_line: line, label: None, carried: None, own_ns: dur_ns });
+        self.add(Bar::new(kind, (t_ns, dur_ns), place));
     }
 
     /// A wait that is over.
     pub fn wait(&mut self, since_ns: i64, t_ns: i64, stay: &Stay) {
-        let (dur_ns, line) = (t_ns.saturating_sub(since_ns), stay.line);
+        let dur_ns = t_ns.saturating_sub(since_ns);
         if dur_ns > 0 {
-            let label = Some(stay.key());
-            self.add(Bar {
-                kind: Work::Wait,
-                t_ns: since_ns,
-                dur_ns,
-                line,
-                end_line: line,
-                label,
-                carried: None,
-                own_ns: dur_ns,
-            });
+            let bar = Bar::new(Work::Wait, (since_ns, dur_ns), SourcePlace::new(stay.file, stay.line));
+            self.add(Bar { label: Some(stay.key()), ..bar });
         }
     }
 
@@ -149,9 +148,14 @@ impl Bars {
         }
     }
 
-    /// Bars up to the end of the channel.
-    pub fn finish(mut self, end_ns: i64) -> Vec<Bar> {
+    /// Bars up to the end of the channel, with the names of their files.
+    pub fn finish(mut self, info: &Info, end_ns: i64) -> Vec<Bar> {
         self.thin();
+        let mut names: FxHashMap<FileId, Arc<str>> = FxHashMap::default();
+        for bar in self.bars.iter_mut().filter(|bar| bar.line != 0) {
+            let name = names.entry(bar.file_id).or_insert_with(|| info.file_name(bar.file_id).into());
+            bar.file = Arc::clone(name);
+        }
         while let Some(last) = self.bars.last_mut()
             && last.end_ns() > end_ns
         {

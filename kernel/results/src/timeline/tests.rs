@@ -29,7 +29,11 @@ fn neighbours_of_one_kind_are_one_bar() {
     ];
     let timeline = timeline(&lathe(&["x"]), &events);
     let json = serde_json::to_value(&timeline).unwrap();
-    let bar = |kind: &str, t: i64, dur: i64, line: u32, end: u32| serde_json::json!({"kind": kind, "t_ns": t * S, "dur_ns": dur * S, "line": line, "end_line": end});
+    let bar = |kind: &str, t: i64, dur: i64, line: u32, end: u32| {
+        serde_json::json!({
+            "kind": kind, "t_ns": t * S, "dur_ns": dur * S, "file": "jobs/p1.nc", "line": line, "end_line": end
+        })
+    };
     let mut wait = bar("wait", 5, 2, 6, 6);
     wait["label"] = "M101".into();
     let bars = [

@@ -73,7 +73,7 @@ fn too_many(act: &mut Act<'_, '_>, most: u32) {
     else {
         return;
     };
-    let Some(line) = cutter.waiting.first().map(|first| first.line) else { return };
+    let Some(line) = cutter.waiting.first().map(|first| first.place.line) else { return };
     let text = format!(
         "more than {most} blocks between the move of line {line} and the next one in the plane of the compensation, \
          before '{}'",

@@ -43,7 +43,7 @@ impl Act<'_, '_> {
     pub(super) fn go_to(&mut self, waiting: &Waiting, late: i64) {
         self.at.clock = waiting.clock.saturating_add(late);
         self.at.micro = if late > 0 { 0 } else { waiting.micro };
-        (self.at.file, self.at.line) = (waiting.file, waiting.line);
+        self.at.go_to(waiting.place);
         self.text.edited.clone_from(&waiting.text);
         self.block.flags.exact_stop = waiting.exact;
     }

@@ -461,8 +461,7 @@ impl Act<'_, '_> {
 
     /// Keeps a move back, and all later events.
     fn wait(&mut self, step: Step, element: Option<Element>, corner: Option<Corner>) {
-        let (file, line, block, clock, micro) =
-            (self.at.file, self.at.line, self.at.blocks, self.at.clock, self.at.micro);
+        let (place, block, clock, micro) = (self.at.block_place(), self.at.blocks, self.at.clock, self.at.micro);
         let (exact, end) = (self.block.flags.exact_stop, self.block.flags.end);
         let text = self.text.edited.clone();
         let open = self.cutter().and_then(|cutter| cutter.asked.open.take());
@@ -483,8 +482,7 @@ impl Act<'_, '_> {
             corner,
             open,
             smooth,
-            file,
-            line,
+            place,
             block,
             clock,
             micro,

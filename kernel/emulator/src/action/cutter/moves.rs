@@ -149,7 +149,8 @@ impl Act<'_, '_> {
         let waiting = std::mem::take(&mut cutter.waiting);
         cutter.idle = 0;
         let mut begun = cutter.stage;
-        let now = (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop);
+        let now = (self.at.clock, self.at.micro, self.block.flags.exact_stop);
+        let place = self.at.block_place();
         let (edited, spindle) = (self.text.edited.clone(), self.state.spindle);
         let mut events = self.release_events().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
@@ -174,7 +175,8 @@ impl Act<'_, '_> {
         }
         self.put_back_events(&mut events, usize::MAX, late);
         self.state.spindle = spindle;
-        (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop) = now;
+        (self.at.clock, self.at.micro, self.block.flags.exact_stop) = now;
+        self.at.go_to(place);
         self.text.edited = edited;
         self.at.clock = self.at.clock.saturating_add(late);
         if late > 0 {

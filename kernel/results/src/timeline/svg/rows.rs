@@ -4,6 +4,7 @@
 //! drawn one by one with a hint for the mouse, many as one path for each kind.
 
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 use super::layout::Layout;
 use super::scale::{Scale, time_text};
@@ -60,6 +61,8 @@ struct Run {
     kind: Work,
     t_ns: i64,
     end_ns: i64,
+    /// File of the first block, and the lines in that file.
+    file: Arc<str>,
     lines: (u32, u32),
     label: Option<String>,
     /// The axis that another channel moved meanwhile.
@@ -96,11 +99,13 @@ fn flush(small: &mut Vec<&Bar>, runs: &mut Vec<Run>) {
 
 fn run(kind: Work, bars: &[&Bar]) -> Run {
     let (first, last) = (bars.first(), bars.last());
+    let ending = bars.iter().take_while(|bar| first.is_some_and(|first| bar.file == first.file)).last();
     Run {
         kind,
         t_ns: first.map_or(0, |b| b.t_ns),
         end_ns: last.map_or(0, |b| b.end_ns()),
-        lines: (first.map_or(0, |b| b.line), last.map_or(0, |b| b.end_line)),
+        file: first.map_or_else(Arc::default, |b| Arc::clone(&b.file)),
+        lines: first.map_or((0, 0), |b| (b.line, ending.map_or(b.end_line, |last| last.end_line))),
         label: first.filter(|_| bars.len() == 1).and_then(|b| b.label.as_deref()).map(str::to_owned),
         carried: first
             .filter(|_| bars.len() == 1)
@@ -112,7 +117,9 @@ fn run(kind: Work, bars: &[&Bar]) -> Run {
 /// Runs of work that touch and are of one kind become one.
 fn add(runs: &mut Vec<Run>, next: Run) {
     match runs.last_mut() {
-        Some(last) if last.kind == next.kind && last.end_ns == next.t_ns && next.label.is_none() => {
+        Some(last)
+            if last.kind == next.kind && last.end_ns == next.t_ns && last.file == next.file && next.label.is_none() =>
+        {
             (last.end_ns, last.lines.1) = (next.end_ns, next.lines.1);
         }
         _ => runs.push(next),
@@ -128,6 +135,10 @@ fn single(out: &mut String, run: &Run, channel: &Channel, top: f64, scale: &Scal
         let _ = write!(hint, " {label}");
     }
     let _ = write!(hint, ", {}, ", time_text(run.end_ns - run.t_ns, 1_000_000));
+    let own = channel.program.split('#').next().unwrap_or_default();
+    if *run.file != *own && !run.file.is_empty() {
+        let _ = write!(hint, "{} ", run.file);
+    }
     let _ = match run.lines {
         (first, last) if first == last => write!(hint, "line {first}"),
         (first, last) => write!(hint, "lines {first} to {last}"),
