@@ -237,6 +237,12 @@ fn axis_words(machine: &Machine) -> BTreeSet<String> {
     rows.filter_map(|row| row.register).map(|register| machine.registers[register].before.clone()).collect()
 }
 
+/// The word of the spindle's speed, if the machine has one.
+fn speed_word(machine: &Machine) -> Option<String> {
+    let row = machine.data.iter().find(|row| row.enable && machine.data_name(row.id) == "REG_SPINDLE_RPM")?;
+    row.register.map(|register| machine.registers[register].before.clone())
+}
+
 /// A program with these blocks, and the line of the first one.
 fn program(machine: &Machine, blocks: &[String]) -> (String, u32) {
     let (head, end, line) = match machine.preprocessor.row().name {
@@ -298,7 +304,11 @@ fn tasks() -> Vec<Task> {
         for row in machine.codes.iter().filter(|row| row.enable) {
             let Some(code) = written(&machine, row) else { continue };
             let new = words.iter().filter(|word| known.insert((row.file.clone(), row.line, (*word).clone())) || !once);
-            let blocks = new.map(|word| format!("{code} {word}10")).collect();
+            let speed = speed_word(&machine).filter(|speed| !code.starts_with(&**speed));
+            let with_speed = |block: &String| speed.as_ref().map(|speed| format!("{block} {speed}500"));
+            let mut blocks: Vec<String> = new.map(|word| format!("{code} {word}10")).collect();
+            // A row that needs a speed must not lose the axis words to the motion code either.
+            blocks.extend(blocks.first().and_then(with_speed));
             tasks.push(Task { machine: machine.clone(), id: machine.code_name(row.id).to_owned(), code, blocks });
         }
     }

@@ -246,6 +246,7 @@ diagnostics! {
     NO_FEED_PER_TURN 2900368 "no-feed-per-revolution" 12 true "feed per revolution on a machine without M136";
 
     LONG_DWELL 2900570 "long-dwell" 4 false "dwell longer than an hour";
+    LONG_MOVE 2900671 "long-move" 4 false "move at feed longer than an hour";
     THREAD_RATE 2900571 "thread-above-rate" 4 false "thread faster than its axis";
     NO_NEXT_BLOCK 2900670 "no-next-block" 4 false "command for the next block after the program";
     FEED_RATE 2900680 "feed-above-rates" 4 false "feed above the rate of every axis";

@@ -1,11 +1,12 @@
-//! Feeds that a control accepts but that are hardly ever intended: above the rate of every axis, taps above the rate of
-//! their axis, and moves with the spindle off.
+//! Feeds that a control accepts but that are hardly ever intended: above the rate of every axis, moves of hours, taps
+//! above the rate of their axis, and moves with the spindle off.
 //!
 //! *Invariant:* nothing here changes a move or its time. Feed moves that need no look cost one comparison.
 
 use crate::act::Act;
 use crate::action::thread::EVEN;
 use crate::action::time::Path;
+use crate::state::plausible::hours;
 use crate::state::spindle::Turning;
 use counterpoint_event::event::{Direction, FeedUnit};
 use counterpoint_fault as diag;
@@ -46,8 +47,7 @@ impl Act<'_, '_> {
         if self.reports.plausible.feed {
             return Ok(());
         }
-        let rates = self.state.place.layout.axes.iter().filter(|axis| !axis.rotary).map(|axis| axis.rapid * 60.0);
-        let fastest = rates.fold(0.0, f64::max);
+        let fastest = self.fastest_rate();
         if fastest <= 0.0 {
             return Ok(());
         }
@@ -55,13 +55,51 @@ impl Act<'_, '_> {
             self.reports.plausible.look_above = if again { 0.0 } else { fastest };
             return Ok(());
         }
+        self.report_feed_rate(feed, fastest, "");
+        Ok(())
+    }
+
+    /// Looks at the rate of a feed per revolution, units per minute.
+    #[cold]
+    pub(super) fn look_at_revolutions(&mut self, rate: f64) -> Acted {
+        let fastest = self.fastest_rate();
+        let looks = !self.reports.plausible.feed && fastest > 0.0;
+        self.reports.plausible.look_above_revolutions = if looks { fastest } else { f64::INFINITY };
+        if looks && rate > fastest {
+            self.reports.plausible.look_above_revolutions = f64::INFINITY;
+            self.report_feed_rate(rate, fastest, ", per revolution at the speed of the spindle,");
+        }
+        self.check_stop()
+    }
+
+    /// Reports a move at feed that takes hours, once in a program.
+    #[cold]
+    pub(super) fn report_long_move(&mut self, seconds: f64) {
+        if std::mem::replace(&mut self.reports.plausible.long_move, true) {
+            return;
+        }
+        let text = format!(
+            "the move at feed of '{}' takes {}: check the value and the unit of F",
+            self.block_text(),
+            hours(seconds)
+        );
+        self.diagnose(&diag::LONG_MOVE, text);
+    }
+
+    /// The highest rate of the linear axes, units per minute.
+    fn fastest_rate(&self) -> f64 {
+        let rates = self.state.place.layout.axes.iter().filter(|axis| !axis.rotary).map(|axis| axis.rapid * 60.0);
+        rates.fold(0.0, f64::max)
+    }
+
+    fn report_feed_rate(&mut self, rate: f64, fastest: f64, how: &str) {
         self.reports.plausible.feed = true;
         let text = format!(
-            "the feed {feed:.0} in '{}' is above the rate of every axis, at most {fastest:.0}: check its value and unit",
+            "the feed {rate:.0}{how} in '{}' is above the rate of every axis, at most {fastest:.0}: check its value and \
+             unit",
             self.block_text()
         );
         self.diagnose(&diag::FEED_RATE, text);
-        Ok(())
     }
 
     /// Reports the first move at feed while the spindle is off, where the machine asks for it; returns whether the next

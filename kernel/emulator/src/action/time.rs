@@ -8,6 +8,7 @@ use counterpoint_motion::profile::{stop_to_stop, stop_to_stop_smoothly};
 
 use crate::act::Act;
 use crate::state::modal::group;
+use crate::state::plausible::LONGEST_MOVE;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -117,7 +118,7 @@ impl Act<'_, '_> {
             let (facts, what) = lack(feed);
             return Ok(self.without_feed(path, facts, what));
         };
-        Ok(match unit {
+        let seconds = match unit {
             FeedUnit::PerMinute => {
                 if feed > self.reports.plausible.look_above {
                     self.look_at_feed(feed, path)?;
@@ -126,11 +127,20 @@ impl Act<'_, '_> {
             }
             FeedUnit::InverseTime => 60.0 / feed,
             FeedUnit::PerRevolution => match self.revolution_minutes(path, feed)? {
-                Some(minutes) => minutes * 60.0,
+                Some(minutes) => {
+                    if path.length > minutes * self.reports.plausible.look_above_revolutions {
+                        self.look_at_revolutions(path.length / minutes)?;
+                    }
+                    minutes * 60.0
+                }
                 None => self.rapid_seconds(path.from, path.to),
             },
             FeedUnit::Rapid => self.rapid_seconds(path.from, path.to),
-        })
+        };
+        if seconds > LONGEST_MOVE {
+            self.report_long_move(seconds);
+        }
+        Ok(seconds)
     }
 
     /// Seconds at a steady speed, with speed changes at both ends under exact stop.

@@ -225,6 +225,9 @@ impl Kernel<'_> {
                 Some((index, row)) => {
                     self.use_word(position);
                     self.queue(index, row, word.value, false);
+                    while let Some((index, row)) = rows.find(|(_, row)| row.also && self.fits(row)) {
+                        self.queue(index, row, word.value, false);
+                    }
                 }
                 None => self.data_word(position),
             }

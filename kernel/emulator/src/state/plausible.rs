@@ -5,6 +5,9 @@
 /// A dwell longer than this is improbable, seconds.
 pub(crate) const LONGEST_DWELL: f64 = 3600.0;
 
+/// A move at feed that takes longer is improbable, seconds.
+pub(crate) const LONGEST_MOVE: f64 = 3600.0;
+
 /// Causes that have been reported.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Plausible {
@@ -16,6 +19,9 @@ pub(crate) struct Plausible {
     pub(crate) changed_speed: bool,
     /// Feeds per minute above this need a look: all of them until the spindle has been seen to turn.
     pub(crate) look_above: f64,
+    /// The same for the rate that a feed per revolution comes to.
+    pub(crate) look_above_revolutions: f64,
+    pub(crate) long_move: bool,
 }
 
 /// Hours and minutes of a time in seconds, for messages.

@@ -145,6 +145,7 @@ fn function_row(entry: &Entry, register: RegisterId, value: f64, (seconds, overl
         without: Vec::new(),
         ignores: Vec::new(),
         owns_axes: false,
+        also: false,
         special: false,
         seconds,
         overlap,

@@ -179,6 +179,7 @@ pub fn code(machine: &Machine, row: &CodeRow) -> Value {
         "without": names(&row.without),
         "ignores": names(&row.ignores),
         "owns_axes": row.owns_axes,
+        "also": row.also,
         "seconds": row.seconds,
         "overlap": word(row.overlap),
         "axis": row.axis.map(|axis| ["X", "Y", "Z"].get(usize::from(axis))),
