@@ -1,7 +1,8 @@
 //! Watches a job that runs in a test: a stalled job fails the test instead of hanging it.
 //!
 //! Invariant: a job that makes progress, or works without visible progress, is left alone. A job counts as hung when
-//! for two seconds no channel changed its place, its time or its state, and the process used next to no processor time.
+//! for two seconds no channel changed its place, its time or its state, and the process used next to no processor time;
+//! or when for two minutes no channel changed anything, whatever the process used.
 //! A hung job cannot be asked to stop, so the process ends with the state of every kernel.
 
 use std::fmt::Write as _;
@@ -15,6 +16,8 @@ use counterpoint_kernel::control::Control;
 const LOOK: Duration = Duration::from_millis(100);
 /// Looks without a change after which a job counts as standing still.
 const PATIENCE: u32 = 20;
+/// Looks without a change after which a job counts as hung that uses the processor: it spins.
+const MOST_LOOKS: u32 = 1200;
 /// Processor time within these looks that is still nothing, in clock ticks of the system (100 a second).
 const IDLE_TICKS: u64 = 10;
 
@@ -26,11 +29,15 @@ pub fn watched<R>(control: &Control, job: impl FnOnce() -> R) -> R {
     let (done, ended) = channel::<()>();
     std::thread::scope(|scope| {
         scope.spawn(move || {
-            let (mut last, mut quiet) = (places(control), 0);
+            let (mut last, mut quiet, mut unchanged) = (places(control), 0, 0);
             let mut since = ticks();
             while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(LOOK) {
                 let now = places(control);
                 let used = ticks();
+                unchanged = if now == last { unchanged + 1 } else { 0 };
+                if unchanged >= MOST_LOOKS {
+                    stands_still(&last);
+                }
                 if now != last || used.is_none_or(|used| used > since.unwrap_or(used) + IDLE_TICKS) {
                     (last, quiet, since) = (now, 0, used);
                     continue;

@@ -42,6 +42,8 @@ pub enum Message {
     Asleep(u16),
     /// It sleeps no longer.
     Awake(u16),
+    /// The kernel of the stream has taken a chunk in advance.
+    Advanced(u16),
     /// The stream is complete.
     Done(u16),
     /// Nothing after this tag belongs to the log.
@@ -72,6 +74,12 @@ impl Feeder {
         self.sent >= self.credit
     }
 
+    /// Tells when chunks have come back.
+    #[must_use]
+    pub fn returned(&self) -> Returned {
+        Returned(self.back.clone())
+    }
+
     /// A chunk that has come back.
     pub fn try_back(&mut self) -> Option<Chunk> {
         let chunk = self.back.try_recv().ok()?;
@@ -79,10 +87,28 @@ impl Feeder {
         Some(chunk)
     }
 
+    /// A chunk in advance of those that come back.
+    pub fn advance(&mut self) -> Chunk {
+        self.sent -= 1;
+        let _ = self.messages.send(Message::Advanced(self.channel));
+        Chunk::default()
+    }
+
     /// Waits for a chunk to come back.
     pub fn wait_back(&mut self) -> Chunk {
         self.sent -= 1;
         self.back.recv().unwrap_or_default()
+    }
+}
+
+/// Chunks that have come back to a kernel.
+pub struct Returned(Receiver<Chunk>);
+
+impl Returned {
+    /// Whether there are some.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        !self.0.is_empty()
     }
 }
 
@@ -266,6 +292,11 @@ impl Merger {
                 let asleep = matches!(message, Message::Asleep(_));
                 if let Some(stream) = self.stream(channel) {
                     stream.asleep = asleep;
+                }
+            }
+            Message::Advanced(channel) => {
+                if let Some(stream) = self.stream(channel) {
+                    stream.advanced += 1;
                 }
             }
             Message::Blocked(channel) => self.set(channel, State::Blocked),

@@ -81,7 +81,7 @@ impl<'a> Stream<'a> {
                     self.backlog.return_chunk(chunk);
                 }
                 if feeder.is_full() {
-                    let chunk = coordinator.wait_chunk(upto, feeder, Feeder::try_back, Feeder::wait_back);
+                    let chunk = coordinator.wait_chunk(upto, feeder);
                     self.backlog.return_chunk(chunk);
                 }
                 // Chunks that the merger returns are before the floor, so no more chunks wait than may be on the way to

@@ -192,56 +192,14 @@ impl Kernel<'_> {
         format!("{}{}", register.before, written(word.value, &register.format))
     }
 
-    /// Whether the conditions of a row on other words of the block are met.
-    fn fits(&self, row: &CodeRow) -> bool {
-        let with = row.with.is_empty() || row.with.iter().any(|&r| self.channel.block.has(r));
-        with && row.without.iter().all(|&r| !self.channel.block.has(r))
-    }
-
-    /// The row of the same text whose conditions are met, or this one.
-    #[cold]
-    fn fitting_text(&self, row: CodeRowId) -> CodeRowId {
-        let machine = self.channel.env.machine;
-        let same = |other: &&CodeRowId| machine.codes[**other].form == machine.codes[row].form;
-        let rows = machine.tables.texts.iter().filter(same);
-        rows.copied().find(|&other| self.fits(&machine.codes[other])).unwrap_or(row)
-    }
-
-    /// Second pass over words whose rows depend on other words of the block.
-    fn categorise_conditional(&mut self) {
-        let machine = self.channel.env.machine;
-        for position in 0..self.channel.block.words.len() {
-            let Some(word) = self.channel.block.words.get(position).copied() else { break };
-            if word.used {
-                continue;
-            }
-            let candidates = machine.tables.code(word.register, word.value);
-            if candidates.is_empty() {
-                continue;
-            }
-            let mut rows = candidates.iter().map(|&index| (index, &machine.codes[index]));
-            let chosen = rows.find(|(_, row)| self.fits(row));
-            match chosen {
-                Some((index, row)) => {
-                    self.use_word(position);
-                    self.queue(index, row, word.value, false);
-                    while let Some((index, row)) = rows.find(|(_, row)| row.also && self.fits(row)) {
-                        self.queue(index, row, word.value, false);
-                    }
-                }
-                None => self.data_word(position),
-            }
-        }
-    }
-
-    fn use_word(&mut self, position: usize) {
+    pub(super) fn use_word(&mut self, position: usize) {
         if let Some(word) = self.channel.block.words.get_mut(position) {
             word.used = true;
         }
     }
 
     /// Treats a word that is not a code: data if a row knows its register, otherwise unknown text.
-    fn data_word(&mut self, position: usize) {
+    pub(super) fn data_word(&mut self, position: usize) {
         let Some(word) = self.channel.block.words.get(position).copied() else { return };
         let known = !self.channel.env.machine.tables.data_of(word.register).is_empty();
         if Some(word.register) == self.plan.registers.definition {
@@ -254,7 +212,7 @@ impl Kernel<'_> {
         }
     }
 
-    fn queue(&mut self, index: CodeRowId, row: &CodeRow, value: f64, modal: bool) {
+    pub(super) fn queue(&mut self, index: CodeRowId, row: &CodeRow, value: f64, modal: bool) {
         self.channel.block.flags.special |= row.special;
         self.channel.block.pending.push(PendingCode {
             order: row.order,

@@ -6,6 +6,7 @@
 
 mod beside_motion;
 mod codes;
+mod conditions;
 mod contour;
 mod data_blocks;
 mod definitions;

@@ -12,6 +12,7 @@ use corosensei::{CoroutineResult, ScopedCoroutine, ScopedCoroutineRef, Yielder};
 
 use super::coordinator::Coordinator;
 use super::coordinator::switch::{Pause, Switch};
+use super::merge::{Feeder, Returned};
 use super::stream::Stream;
 use super::{Assembly, Feeds, Start};
 use crate::step::{Candidate, Director};
@@ -30,19 +31,31 @@ struct Turn<'s> {
     coroutine: ScopedCoroutineRef<'s, (), Pause, End, DefaultStack>,
     /// Why it does not run; nothing before its first turn.
     pause: Option<Pause>,
+    /// Chunks that the merger has given back, if there is a log.
+    returned: Option<Returned>,
 }
+
+impl Turn<'_> {
+    /// Whether it waits for a chunk that has not come back.
+    fn is_far_ahead(&self) -> bool {
+        self.pause == Some(Pause::Chunk) && !self.returned.as_ref().is_some_and(Returned::any)
+    }
+}
+
+/// A kernel that has not begun.
+type Begin<'k> = (u16, Option<Returned>, ScopedCoroutine<'k, (), Pause, End, DefaultStack>);
 
 /// Starts all kernels, each within the scope of those before it, and runs them to their end.
 fn scoped<'k>(
-    mut rest: impl Iterator<Item = (u16, ScopedCoroutine<'k, (), Pause, End, DefaultStack>)>,
+    mut rest: impl Iterator<Item = Begin<'k>>,
     turns: Vec<Turn<'_>>,
     scheduler: &mut Scheduler<'_>,
 ) -> Vec<End> {
     match rest.next() {
-        Some((channel, coroutine)) => coroutine.scope(|coroutine| {
+        Some((channel, returned, coroutine)) => coroutine.scope(|coroutine| {
             // The earlier kernels live longer than this one.
             let mut turns = turns;
-            turns.push(Turn { channel, coroutine, pause: None });
+            turns.push(Turn { channel, coroutine, pause: None, returned });
             scoped(rest, turns, scheduler)
         }),
         None => scheduler.take_turns(turns),
@@ -77,7 +90,7 @@ impl Scheduler<'_> {
     }
 
     /// The next kernel: of those with work the one that is furthest behind, or the kernel that the operator selects. A
-    /// kernel that needs an empty chunk comes last: the others let the merger advance. `None`: all have ended.
+    /// kernel whose chunks have not come back is last: the others let the merger advance. `None`: all have ended.
     fn next_turn(&self, turns: &[Turn<'_>]) -> Option<usize> {
         let coordinator = self.coordinator;
         let ready = |turn: &Turn<'_>| turn.pause != Some(Pause::Sleep) || !coordinator.sleeps(turn.channel);
@@ -85,7 +98,7 @@ impl Scheduler<'_> {
             let candidate = |turn: &Turn<'_>| Candidate {
                 channel: turn.channel,
                 ready: ready(turn),
-                far_ahead: turn.pause == Some(Pause::Chunk),
+                far_ahead: turn.is_far_ahead(),
                 bound: coordinator.bound(turn.channel),
             };
             let candidates: Vec<_> = turns.iter().map(candidate).collect();
@@ -94,7 +107,7 @@ impl Scheduler<'_> {
                 return Some(next);
             }
         }
-        let order = |turn: &Turn<'_>| (turn.pause == Some(Pause::Chunk), coordinator.bound(turn.channel), turn.channel);
+        let order = |turn: &Turn<'_>| (turn.is_far_ahead(), coordinator.bound(turn.channel), turn.channel);
         let next = |turns: &[Turn<'_>]| {
             let able = turns.iter().enumerate().filter(|(_, turn)| ready(turn));
             able.min_by_key(|(_, turn)| order(turn)).map(|(at, _)| at)
@@ -120,6 +133,7 @@ impl<'a> Assembly<'a> {
                 self.coordinator.done(number, |_| ());
                 continue;
             };
+            let returned = feeds.1.as_ref().map(Feeder::returned);
             // The initial data of a coroutine must be small.
             let begin = Box::new((start, feeds));
             let body = move |yielder: &Yielder<(), Pause>, ()| {
@@ -135,7 +149,7 @@ impl<'a> Assembly<'a> {
                 }
                 life
             };
-            coroutines.push((number, ScopedCoroutine::with_stack(stack, body)));
+            coroutines.push((number, returned, ScopedCoroutine::with_stack(stack, body)));
         }
         let mut lived = Vec::new();
         let mut panic = None;

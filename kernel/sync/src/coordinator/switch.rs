@@ -9,6 +9,8 @@ use corosensei::Yielder;
 
 use super::turn::{Met, Turn, Waiter};
 use super::{Coordinator, Stopped};
+use crate::backlog::Chunk;
+use crate::merge::Feeder;
 use crate::order::Wake;
 use crate::tag::Tag;
 use crate::wait::Waiting;
@@ -122,22 +124,18 @@ impl<'a> Port<'a> {
         }
     }
 
-    /// Waits for the merger to give chunks back: `try_now` asks for one, `wait` waits for one on a thread of its own.
-    pub fn wait_chunk<R, S>(
-        self,
-        tag: Tag,
-        source: &mut S,
-        mut try_now: impl FnMut(&mut S) -> Option<R>,
-        wait: impl FnOnce(&mut S) -> R,
-    ) -> R {
+    /// Waits for the merger to give a chunk back. In turns on one thread a kernel continues with an additional chunk if
+    /// no other kernel can continue either: then no chunk would ever come back.
+    pub fn wait_chunk(self, tag: Tag, feeder: &mut Feeder) -> Chunk {
         self.core.away(tag, || match self.switch {
-            Switch::Thread => wait(source),
-            Switch::Coroutine(yielder) => loop {
-                if let Some(chunk) = try_now(source) {
-                    break chunk;
+            Switch::Thread => feeder.wait_back(),
+            Switch::Coroutine(yielder) => {
+                if let Some(chunk) = feeder.try_back() {
+                    return chunk;
                 }
                 yielder.suspend(Pause::Chunk);
-            },
+                feeder.try_back().unwrap_or_else(|| feeder.advance())
+            }
         })
     }
 }
