@@ -30,8 +30,8 @@ mod text;
 pub use call_stack::{Aside, CallStack};
 pub use definition::{Dialect, Unknown};
 pub use host::{
-    Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NotThere, Operands, Place, Programs,
-    Report, Shape, Signal, Values, Words,
+    Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NO_OFFSET, NotThere, Operands, Place,
+    Programs, Report, Shape, Signal, Values, Words,
 };
 pub use interpreter::{Interpreter, MacroCall, Made, Remaining, Setting};
 pub use numeric::{VACANT, is_vacant};

@@ -3,6 +3,9 @@
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::index::CodeRowId;
 
+/// Number under which the frame that is active without a work offset (G500) keeps its values.
+pub const NO_OFFSET: u32 = u32::MAX - 1;
+
 /// An axis of the channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisPlace {
@@ -84,7 +87,7 @@ pub trait Frames {
     /// Number of the active work offset, 0 for none.
     fn work_offset(&self) -> u32;
 
-    /// Values of a work offset by axis, as the program counts now; 0 is the base.
+    /// Values of a work offset by axis, as the program counts now; 0 is the base, [`NO_OFFSET`] the frame without one.
     fn offset(&self, number: u32) -> Vec<f64>;
 
     /// Sets a work offset, which acts at once; whether it was set.

@@ -14,7 +14,7 @@ mod words;
 
 pub use coordination::{Coordination, Operands, Signal};
 pub use flow::{Call, Flow, Loops, Shape};
-pub use frames::{AxisPlace, Frames, Modes};
+pub use frames::{AxisPlace, Frames, Modes, NO_OFFSET};
 pub use programs::{Place, Programs};
 pub use report::Report;
 pub use values::{Answer, NotThere, Values};

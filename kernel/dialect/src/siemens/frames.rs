@@ -12,7 +12,7 @@ use super::expression::{Argument, Name};
 use super::frame::{Frame, Part, Parts, SPACE};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax, wrong_type};
-use crate::host::Host;
+use crate::host::{Host, NO_OFFSET};
 use counterpoint_fault as diag;
 
 /// Frames that were assigned but are not active, or not yet active.
@@ -39,6 +39,7 @@ impl Assigned {
 fn activated(word: &str) -> Option<u32> {
     let digits = word.strip_prefix(['G', 'g'])?.trim_start_matches('0');
     match digits.parse().ok()? {
+        500 => Some(NO_OFFSET),
         number @ 54..=57 => Some(number - 53),
         number @ 505..=599 => Some(number - 500),
         _ => None,
@@ -147,7 +148,7 @@ impl Siemens {
         let active = host.work_offset();
         Ok(match name.name.as_str() {
             "$P_PFRAME" => Some((u32::MAX, 0)),
-            "$P_IFRAME" => Some((active, 0)),
+            "$P_IFRAME" => Some((if active == 0 { NO_OFFSET } else { active }, 0)),
             "$P_BFRAME" | "$P_CHBFRAME" => Some((0, 0)),
             "$P_UIFR" => {
                 let Some(index) = name.index.first() else { return syntax("$P_UIFR needs an index") };
@@ -257,7 +258,7 @@ impl Siemens {
             }
             return Ok(Some(Vec::new()));
         }
-        if name.name == "$P_IFRAME" && number > 0 {
+        if name.name == "$P_IFRAME" {
             // The frame of the table stays as it is.
             let kept = self.current(host, number, true);
             self.frames.settable.entry(number).or_insert(kept);
@@ -308,8 +309,8 @@ fn offset(host: &mut dyn Host, number: u32, frame: &Frame) -> Result<(), String>
             None => parts.beside.of(place).shift + parts.beside.of(place).fine,
         };
     }
-    if number == 0 && turned {
-        return Err("the base frame of this machine can only be a translation".to_owned());
+    if matches!(number, 0 | NO_OFFSET) && turned {
+        return Err("the base frame of this machine, or its frame under G500, can only be a translation".to_owned());
     }
     if turned || host.offset_turn(number).is_some() {
         host.turn_offset(number, turned.then(|| frame.linear()));

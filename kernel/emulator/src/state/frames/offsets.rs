@@ -8,6 +8,7 @@ use counterpoint_machine::index::BySlot;
 use std::collections::BTreeMap;
 
 use crate::state::channel::Channel;
+use counterpoint_dialect::NO_OFFSET;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_motion::frame::affine::Affine;
 
@@ -87,7 +88,7 @@ impl Channel<'_> {
             return *values;
         }
         let known = self.env.machine.work_offsets.len();
-        if table == Table::Work && number as usize > known {
+        if table == Table::Work && number != NO_OFFSET && number as usize > known {
             return self.part_zero();
         }
         let own = || self.env.machine.tool.offsets.iter().find(|own| own.number == number);
@@ -106,18 +107,12 @@ impl Channel<'_> {
     }
 
     /// Machine position of the part zero where no work offset says it.
-    fn part_zero(&self) -> Position {
+    pub(crate) fn part_zero(&self) -> Position {
         let mut position = [0.0; MAX_AXES];
         for (slot, axis) in self.state.place.layout.axes.entries() {
             *position.at_mut(slot) = self.env.machine.axes[axis.machine].positioning.part_zero;
         }
         position
-    }
-
-    /// The part zero where no work offset is active: that of the machine, unless the base values say it.
-    pub(crate) fn part_zero_without_offset(&self) -> Position {
-        let base = self.state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(BASE));
-        if base { [0.0; MAX_AXES] } else { self.part_zero() }
     }
 
     /// Rotation of a work offset.

@@ -3,6 +3,7 @@
 use super::offsets::{BASE, Table};
 use crate::state::channel::Channel;
 use crate::state::modal::group;
+use counterpoint_dialect::NO_OFFSET;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -95,7 +96,7 @@ impl Channel<'_> {
         };
         add(self.offset_values(Table::Work, place.in_force.work_offset), self.tool_shift());
         if place.in_force.work_offset == BASE {
-            add(self.part_zero_without_offset(), [0.0; MAX_AXES]);
+            add(self.part_zero(), self.offset_values(Table::Work, NO_OFFSET));
         } else if place.offsets.is_some() {
             add(self.offset_values(Table::Work, BASE), [0.0; MAX_AXES]);
         }
