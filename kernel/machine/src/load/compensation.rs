@@ -3,7 +3,9 @@
 //!
 //! Invariant: the angle is one of 0 to 180 degrees.
 
-use crate::model::{Compensation, CornerShape, Corners, LengthInMachineFrame, LengthRules, LengthThere, OutsideCorner};
+use crate::model::{
+    Between, Compensation, CornerShape, Corners, LengthInMachineFrame, LengthRules, LengthThere, OutsideCorner,
+};
 use crate::toml::section::Section;
 
 /// Reads `[compensation]`.
@@ -16,10 +18,8 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
         corner_shape: None,
         corner_after: false,
         numbers_alone: false,
-        looked_through: 2,
-        alarm_beyond: false,
+        between: Between { looked_through: 2, alarm_beyond: false, past_stops: false, zero_move: 1 },
         needs_tool: false,
-        zero_move: 1,
         wall: false,
         vector: false,
         zero_cancels: false,
@@ -42,14 +42,16 @@ pub(super) fn read(top: &mut Section<'_>) -> Compensation {
     let numbers = [("with-code", false), ("alone", true)];
     made.numbers_alone = section.choice("numbers", &numbers).unwrap_or(made.numbers_alone);
     if let Some(blocks) = section.integer("looked_through", 0..=100) {
-        made.looked_through = blocks as u32;
+        made.between.looked_through = blocks as u32;
     }
     let beyond = [("ends", false), ("alarm", true)];
-    made.alarm_beyond = section.choice("beyond_looked_through", &beyond).unwrap_or(made.alarm_beyond);
+    made.between.alarm_beyond = section.choice("beyond_looked_through", &beyond).unwrap_or(made.between.alarm_beyond);
+    let stops = [("ends", false), ("looked-through", true)];
+    made.between.past_stops = section.choice("program_stop", &stops).unwrap_or(made.between.past_stops);
     let tools = [("contour", false), ("alarm", true)];
     made.needs_tool = section.choice("without_tool", &tools).unwrap_or(made.needs_tool);
     if let Some(blocks) = section.integer("zero_move", 1..=100) {
-        made.zero_move = blocks as u32;
+        made.between.zero_move = blocks as u32;
     }
     made.wall = section.choice("end_words", &[("unused", false), ("wall", true)]).unwrap_or(made.wall);
     made.vector = section.choice("start_words", &[("unused", false), ("vector", true)]).unwrap_or(made.vector);

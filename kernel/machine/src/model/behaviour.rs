@@ -293,14 +293,10 @@ pub struct Compensation {
     pub corner_after: bool,
     /// The word of an offset number alone selects the offset while its compensation is active.
     pub numbers_alone: bool,
-    /// Blocks without a move in the plane that are looked through to the next move.
-    pub looked_through: u32,
-    /// More of them are an alarm; otherwise the first move ends beside its own end.
-    pub alarm_beyond: bool,
+    /// Blocks between two moves.
+    pub between: Between,
     /// Compensation without a tool is an alarm; otherwise the tool moves on the contour.
     pub needs_tool: bool,
-    /// The number of such blocks that a move of length zero counts as.
-    pub zero_move: u32,
     /// Centre words beside the code that ends it are the direction of the wall behind the contour.
     pub wall: bool,
     /// Centre words beside the codes that switch compensation on give the direction to which the vector at the end of
@@ -310,6 +306,19 @@ pub struct Compensation {
     pub zero_cancels: bool,
     /// Length compensation.
     pub length: LengthRules,
+}
+
+/// How far compensation reads ahead to the next move in its plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Between {
+    /// Blocks without a move in the plane that are looked through to the next move.
+    pub looked_through: u32,
+    /// More of them are an alarm; otherwise the first move ends beside its own end.
+    pub alarm_beyond: bool,
+    /// A program stop does not end reading ahead; otherwise the move before it ends beside its own end.
+    pub past_stops: bool,
+    /// The number of such blocks that a move of length zero counts as.
+    pub zero_move: u32,
 }
 
 /// How length compensation comes into force and leaves it.

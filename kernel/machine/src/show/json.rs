@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::components::{of, rows, with_macros};
 use super::{Show, register, sorted_codes, word, written};
 use crate::index::{AxisId, RegisterId, SpindleId, Table};
-use crate::model::{Axis, Channel, Component, Heights, Machine, WaitRow};
+use crate::model::{Axis, Channel, Compensation, Component, Heights, Machine, WaitRow};
 use crate::rows::{CodeForm, CodeRow, DataRow, NumberFormat, Register};
 
 /// The whole machine.
@@ -39,23 +39,7 @@ pub fn json(machine: &Machine) -> Value {
         "cycles": cycles(machine),
         "arcs": arcs(machine),
         "threads": threads(machine),
-        "compensation": {
-            "rapid": machine.compensation.rapid,
-            "arcs": machine.compensation.arcs,
-            "corner": word(machine.compensation.corner),
-            "corner_angle": machine.compensation.corner_angle,
-            "corner_sharp": machine.compensation.corner_shape.map(|shape| shape.sharp),
-            "corner_flat": machine.compensation.corner_shape.map(|shape| shape.flat),
-            "corner_distortion": machine.compensation.corner_shape.map(|shape| shape.distortion),
-            "corner_circle": if machine.compensation.corner_after { "after" } else { "before" },
-            "looked_through": machine.compensation.looked_through,
-            "alarm_beyond_looked_through": machine.compensation.alarm_beyond,
-            "needs_tool": machine.compensation.needs_tool,
-            "zero_move": machine.compensation.zero_move,
-            "number_zero": if machine.compensation.zero_cancels { "cancels" } else { "no-radius" },
-            "start_words": if machine.compensation.vector { "vector" } else { "unused" },
-            "end_words": if machine.compensation.wall { "wall" } else { "unused" },
-        },
+        "compensation": compensation(&machine.compensation),
         "corners": {
             "between": machine.corners.between,
             "blocks": if machine.corners.dwell_only { "dwell" } else { "any" },
@@ -78,6 +62,27 @@ pub fn json(machine: &Machine) -> Value {
             "named_from": machine.tool.named_from, "offsets": tool_offsets(machine), "data": tool_data(machine) },
         "components": machine.components.iter().map(component).collect::<Vec<_>>(),
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
+    })
+}
+
+fn compensation(rules: &Compensation) -> Value {
+    json!({
+        "rapid": rules.rapid,
+        "arcs": rules.arcs,
+        "corner": word(rules.corner),
+        "corner_angle": rules.corner_angle,
+        "corner_sharp": rules.corner_shape.map(|shape| shape.sharp),
+        "corner_flat": rules.corner_shape.map(|shape| shape.flat),
+        "corner_distortion": rules.corner_shape.map(|shape| shape.distortion),
+        "corner_circle": if rules.corner_after { "after" } else { "before" },
+        "looked_through": rules.between.looked_through,
+        "alarm_beyond_looked_through": rules.between.alarm_beyond,
+        "program_stop": if rules.between.past_stops { "looked-through" } else { "ends" },
+        "needs_tool": rules.needs_tool,
+        "zero_move": rules.between.zero_move,
+        "number_zero": if rules.zero_cancels { "cancels" } else { "no-radius" },
+        "start_words": if rules.vector { "vector" } else { "unused" },
+        "end_words": if rules.wall { "wall" } else { "unused" },
     })
 }
 

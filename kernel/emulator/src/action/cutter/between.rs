@@ -15,13 +15,15 @@ use counterpoint_machine::model::LengthInMachineFrame;
 
 /// The effect of an action on a waiting move.
 pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> Acted {
+    let reads_on = act.env.machine.compensation.between.past_stops && matches!(code, codes::STOP | codes::OPSTOP);
+    let contour = if reads_on { Contour::Waits } else { contour };
     corner::follow(act, contour)?;
     if act.env.machine.corners.dwell_only && parts_corner(act, contour, code) {
         act.flush_lookahead()?;
         act.check_stop()?;
     }
     let (blocks, in_machine) = (act.at.blocks, act.block.flags.machine_frame);
-    let (most, of_machine) = (act.env.machine.corners.between, act.env.machine.compensation.looked_through);
+    let (most, of_machine) = (act.env.machine.corners.between, act.env.machine.compensation.between.looked_through);
     let shared = act.state.spindle.shared;
     let Some(cutter) = act.cutter() else { return Ok(()) };
     if cutter.seen != blocks && !leads_on(code) {
@@ -48,7 +50,7 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
     if !long {
         return Ok(());
     }
-    if act.env.machine.compensation.alarm_beyond && !smooth {
+    if act.env.machine.compensation.between.alarm_beyond && !smooth {
         too_many(act, of_machine);
         act.check_stop()?;
     }
@@ -94,7 +96,7 @@ fn parts_corner(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> bool {
 impl Act<'_, '_> {
     /// A move of length zero counts for several blocks without a move.
     pub(super) fn count_zero_move(&mut self, step: &Step) {
-        let counts = self.env.machine.compensation.zero_move;
+        let counts = self.env.machine.compensation.between.zero_move;
         let stays = self.contour() == step.to;
         if let Some(cutter) = self.cutter().filter(|_| stays) {
             cutter.idle = cutter.idle.saturating_add(counts.saturating_sub(1));
