@@ -18,6 +18,9 @@ use counterpoint_program::block::Datum;
 /// Most holes of one block.
 const MOST_TIMES: f64 = 9999.0;
 
+/// A calculated number of repeats may differ from a whole number by less.
+const NEARLY_WHOLE: f64 = 1e-6;
+
 /// Position of a block and how often the cycle is executed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Words {
@@ -261,9 +264,15 @@ fn shifts(act: &mut Act<'_, '_>) {
     if let Some(shift) = act.take(data::CYCLE_BORE_JOG) {
         act.state.cycle.boring.shift = shift.value;
     }
+    // The words of the plane: I and J of G17, I and K of G18, J and K of G19. K alone is the number of repeats.
+    let along = act.state.cycle.axis.map_or(2, |(role, _)| role);
+    let beside = |role: usize, id: DataId| role != along && act.block_has(id);
+    let with_k = beside(0, data::CYCLE_BORE_JOG_X) || beside(1, data::CYCLE_BORE_JOG_Y);
     for (index, id) in [data::CYCLE_BORE_JOG_X, data::CYCLE_BORE_JOG_Y, data::CYCLE_BORE_JOG_Z].into_iter().enumerate()
     {
-        if let Some(datum) = act.take(id)
+        if index != along
+            && (index != 2 || with_k)
+            && let Some(datum) = act.take(id)
             && let Some(slot) = act.state.cycle.boring.shifts.get_mut(index)
         {
             *slot = Some(datum.value);
@@ -273,5 +282,22 @@ fn shifts(act: &mut Act<'_, '_>) {
 
 /// How often the cycle is executed in this block; 0 only stores its values.
 fn times(act: &mut Act<'_, '_>) -> u32 {
-    act.take(data::CYCLE_REPEAT).map_or(1, |datum| datum.value.clamp(0.0, MOST_TIMES) as u32)
+    let Some(datum) = act.take(data::CYCLE_REPEAT) else { return 1 };
+    let nearest = datum.value.round();
+    if (datum.value - nearest).abs() < NEARLY_WHOLE {
+        return nearest.clamp(0.0, MOST_TIMES) as u32;
+    }
+    let times = datum.value.clamp(0.0, MOST_TIMES) as u32;
+    let holes = match times {
+        0 => "no hole".to_owned(),
+        1 => "one hole".to_owned(),
+        times => format!("{times} holes"),
+    };
+    let text = format!(
+        "{} is not a whole number of repeats in '{}'; the decimals are ignored, so the block makes {holes}",
+        datum.value,
+        act.block_text()
+    );
+    act.diagnose(&diag::REPEATS_NOT_WHOLE, text);
+    times
 }
