@@ -30,7 +30,7 @@ pub fn guess(
     let tables = candidates.iter().flat_map(|candidate| {
         let signs = &candidate.signs;
         let named = signs.elsewhere.iter().chain(&signs.traits).map(|(_, rows)| rows);
-        [&signs.marks, &signs.waits].into_iter().chain(named)
+        [&signs.marks, &signs.waits, &signs.channels].into_iter().chain(named)
     });
     let patterns: Vec<&Pattern> = tables.flatten().map(|(pattern, _)| pattern).collect();
     let evidence = Evidence::of(programs, &patterns);
@@ -86,6 +86,11 @@ impl<'c> Machine<'c> {
     /// Whether the signs of all its traits show.
     fn is_proven(&self) -> bool {
         self.traits.iter().all(|(_, shown)| !shown.is_empty())
+    }
+
+    /// Whether it has the channels that a single program commands.
+    fn has_partners(&self, partners: usize) -> bool {
+        if partners > 1 { self.candidate.channels >= partners } else { self.takes(1, false) }
     }
 
     fn signs(&self) -> impl Iterator<Item = &Shown<'c>> {
@@ -150,10 +155,16 @@ impl<'c> Judge<'c> {
         self.machines.iter().flat_map(|machine| &machine.waits).any(is_mark)
     }
 
+    /// Channels that the machine must have for the commands of the programs to other channels.
+    fn partners(&self) -> usize {
+        let shown = self.machines.iter().flat_map(|machine| self.evidence.shown(&machine.candidate.signs.channels));
+        shown.map(|sign| sign.weight as usize).max().unwrap_or(1)
+    }
+
     fn judge(&self) -> Result<Guess, String> {
         let several = self.programs.len() > 1;
-        let channels = self.channels();
-        let alone: Vec<_> = self.machines.iter().filter(|m| !several && m.takes(1, false)).collect();
+        let (channels, partners) = (self.channels(), self.partners());
+        let alone: Vec<_> = self.machines.iter().filter(|m| !several && m.has_partners(partners)).collect();
         let together: Vec<_> = self.machines.iter().filter(|m| channels > 1 && m.takes(channels, several)).collect();
         // Programs with waits that only this control has are for no machine with a single channel.
         let wait = self.evidence.mains == channels && !together.is_empty() && self.are_waits_marks();
@@ -162,7 +173,7 @@ impl<'c> Judge<'c> {
         fit.sort_by_key(|machine| &machine.candidate.name);
         fit.dedup_by_key(|machine| &machine.candidate.name);
         if fit.is_empty() {
-            return Err(self.for_control(&no_machine(channels)));
+            return Err(self.for_control(&no_machine(channels.max(partners))));
         }
         let sole = fit.len() == 1;
         let names: Vec<&str> = fit.iter().map(|machine| machine.candidate.name.as_str()).collect();

@@ -33,6 +33,8 @@ pub struct Signs {
     pub marks: Rows,
     /// Codes at which channels wait for each other.
     pub waits: Rows,
+    /// Commands to other channels, each with the number of channels that a machine must have for it.
+    pub channels: Rows,
     /// Marks of controls that no machine has, by the name of the control.
     pub elsewhere: Vec<(String, Rows)>,
     /// Traits of the machine, each with its signs: `milling`, `turning`, `five axes`.

@@ -23,6 +23,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Option<Signs> {
         plain: section.flag("plain").unwrap_or(false),
         marks: section.free_table("marks").map_or_else(Rows::new, |table| rows(table, check)),
         waits: section.free_table("waits").map_or_else(Rows::new, |table| rows(table, check)),
+        channels: section.free_table("channels").map_or_else(Rows::new, |table| rows(table, check)),
         elsewhere: section.free_table("elsewhere").map_or_else(Vec::new, |table| tables(table, check)),
         traits: section.free_table("traits").map_or_else(Vec::new, |table| tables(table, check)),
     };

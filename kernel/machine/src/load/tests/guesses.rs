@@ -188,6 +188,18 @@ fn the_answer_names_the_signs() {
 }
 
 #[test]
+fn a_program_that_commands_another_channel_is_for_a_machine_that_has_it() {
+    let begin = "DIAMON\nG96 S200 LIMS=2000 M3\nG0 X50 Z2\n";
+    let guessed = |text: &str| machine("main.mpf", &format!("{begin}{text}M30\n"));
+    assert_eq!(guessed("INIT(2,\"LOWER\")\nSTART(2)\n").as_deref(), Ok("siemens-2channel"));
+    assert_eq!(guessed("WAITM(1,1,2)\n").as_deref(), Ok("siemens-2channel"));
+    assert_eq!(guessed("WAITE(2)\n").as_deref(), Ok("siemens-2channel"));
+    assert_eq!(guessed("SETM(5)\nMSG(\"INIT(2)\")\n").as_deref(), Ok("siemens-lathe"));
+    // Without signs of turning, one machine with two channels is left.
+    assert_eq!(machine("main.mpf", "INIT(2,\"LOWER\")\nSTART(2)\nM30\n").as_deref(), Ok("siemens-2channel"));
+}
+
+#[test]
 fn what_cannot_be_guessed_is_refused() {
     let refused = |files: &[(&str, &str)], with: &str| {
         let why = of_files(files, None).unwrap_err();
