@@ -2,7 +2,7 @@
 //!
 //! Facts: programming manuals of the control (corners and approaches are computed with the next element). Decisions:
 //! blocks without motion may come between a line and its corner; after a corner the look ahead follows assignments and
-//! jumps, and ends at a call; after an approach it also follows calls. Invariant: a look ahead leaves the parameters as they were.
+//! jumps, and ends at a call; after an approach it also follows calls of labels and of programs with the same unit. Invariant: a look ahead leaves the parameters as they were.
 
 use super::approach::goes_in_plane;
 use super::eval::Evaluator;
@@ -14,6 +14,7 @@ use super::variables::Value;
 use super::words::{Operand, Seen, Word};
 use super::{Heidenhain, Line};
 use crate::host::{Host, Place};
+use counterpoint_event::FileId;
 use counterpoint_fault::Halt;
 
 /// Blocks between a line and the corner or the path block after it.
@@ -43,8 +44,8 @@ impl Heidenhain {
             return Ok(Vec::new());
         }
         if to_contour {
-            let mut run = Run { calls: Some(Vec::new()), ..Run::new(self.modes) };
-            let steps = self.steps_to_motion(host, &mut run, (next, place));
+            let mut run = Run { calls: Some(Vec::new()), ..Run::new(self.modes, place) };
+            let steps = self.steps_to_motion(host, &mut run, next);
             self.put_back(run);
             return steps;
         }
@@ -61,7 +62,7 @@ impl Heidenhain {
         if !is_free_arc && !is_corner && !elements {
             return Ok(Vec::new());
         }
-        let mut run = Run::new(self.modes);
+        let mut run = Run::new(self.modes, place);
         let steps = self.steps_from(host, &mut run, (next, place), is_corner || elements);
         self.put_back(run);
         steps
@@ -75,15 +76,10 @@ impl Heidenhain {
     }
 
     /// The path blocks up to the first one that moves in the plane.
-    fn steps_to_motion(
-        &mut self,
-        host: &mut dyn Host,
-        run: &mut Run,
-        (from, place): (u32, Place),
-    ) -> Result<Vec<Step>, Halt> {
+    fn steps_to_motion(&mut self, host: &mut dyn Host, run: &mut Run, from: u32) -> Result<Vec<Step>, Halt> {
         let (mut steps, mut behind) = (Vec::new(), from);
         for _ in 0..NEAR {
-            let Some((found, after)) = self.run_to_steps(host, run, (behind, place))? else { break };
+            let Some((found, after)) = self.run_to_steps(host, run, behind)? else { break };
             let plane = self.path.plane;
             let arrived = found.iter().any(|step| goes_in_plane(step, plane));
             steps.extend(found);
@@ -103,7 +99,7 @@ impl Heidenhain {
         (from, place): (u32, Place),
         more: bool,
     ) -> Result<Vec<Step>, Halt> {
-        let Some((mut steps, mut behind)) = self.run_to_steps(host, run, (from, place))? else {
+        let Some((mut steps, mut behind)) = self.run_to_steps(host, run, from)? else {
             return Ok(Vec::new());
         };
         if !more {
@@ -111,7 +107,7 @@ impl Heidenhain {
         }
         self.note_select(host, 1, behind, place);
         for count in 2..=3 {
-            let Some((found, after)) = self.run_to_steps(host, run, (behind, place))? else { break };
+            let Some((found, after)) = self.run_to_steps(host, run, behind)? else { break };
             self.note_select(host, count, after, place);
             let is_pole = matches!(found.as_slice(), [step] if step.shape == Shape::Pole);
             steps.extend(found);
@@ -162,12 +158,12 @@ impl Heidenhain {
         &mut self,
         host: &mut dyn Host,
         run: &mut Run,
-        (from, place): (u32, Place),
+        from: u32,
     ) -> Result<Option<(Vec<Step>, u32)>, Halt> {
         let mut line = from;
         for _ in 0..NEAR {
-            let Some(read) = Some(line).filter(|line| *line <= place.range.last) else { return Ok(None) };
-            let Ok(read) = self.line(host, read) else { return Ok(None) };
+            let Some(read) = Some(line).filter(|line| *line <= run.last) else { return Ok(None) };
+            let Ok(read) = self.line_in(host, run.file, read) else { return Ok(None) };
             line = match &read.statement {
                 Statement::Nothing | Statement::Label(_) | Statement::Path { shape: Shape::FreeSelect, .. } => {
                     read.next
@@ -182,7 +178,7 @@ impl Heidenhain {
                 }
                 Statement::Branch(condition, to) if self.holds(host, condition)? => {
                     let label = self.label_of(host, to)?;
-                    let Some(line) = self.find_label(host, &label) else { return Ok(None) };
+                    let Some(line) = self.find_label_in(host, run.file, &label) else { return Ok(None) };
                     line
                 }
                 Statement::Branch(..) => read.next,
@@ -195,12 +191,28 @@ impl Heidenhain {
                 }
                 Statement::CallLabel { label, .. } if run.calls.is_some() => {
                     let label = self.label_of(host, label)?;
-                    let Some(line) = self.find_label(host, &label) else { return Ok(None) };
-                    run.calls.get_or_insert_default().push(read.next);
+                    let Some(line) = self.find_label_in(host, run.file, &label) else { return Ok(None) };
+                    run.enter(None, read.next);
                     line
                 }
+                Statement::CallProgram(name) if run.calls.is_some() => {
+                    let name = self.text(host, name)?;
+                    let Some((file, range)) = self.find_program(host, &name, false)? else { return Ok(None) };
+                    run.enter(Some((file, range.last)), read.next);
+                    range.first
+                }
+                // Positions of a program with another unit are not those of this one.
+                Statement::Begin { inch, .. }
+                    if run.is_in_program() && inch.is_none_or(|inch| inch == (host.length_factor() != 1.0)) =>
+                {
+                    read.next
+                }
                 Statement::EndOfLabel => {
-                    let Some(line) = run.calls.as_mut().and_then(Vec::pop) else { return Ok(None) };
+                    let Some(line) = run.leave(false) else { return Ok(None) };
+                    line
+                }
+                Statement::End => {
+                    let Some(line) = run.leave(true) else { return Ok(None) };
                     line
                 }
                 Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if is_still(words) => {
@@ -259,13 +271,44 @@ struct Run {
     said: Vec<Seen>,
     /// Parameters changed by assignments in between, with their previous values.
     before: Vec<(Name, Option<Value>)>,
-    /// Lines after the calls that it is in; none if it ends at a call.
-    calls: Option<Vec<u32>>,
+    /// The file that it reads, and the last line of the program there.
+    file: FileId,
+    last: u32,
+    /// The calls that it is in; none if it ends at a call.
+    calls: Option<Vec<Caller>>,
+}
+
+/// Where a look ahead continues after a call.
+struct Caller {
+    file: FileId,
+    last: u32,
+    line: u32,
+    /// A program was called, not a label.
+    program: bool,
 }
 
 impl Run {
-    fn new(modes: Modes) -> Self {
-        Self { modes, said: Vec::new(), before: Vec::new(), calls: None }
+    fn new(modes: Modes, place: Place) -> Self {
+        let (file, last) = (place.file, place.range.last);
+        Self { modes, said: Vec::new(), before: Vec::new(), file, last, calls: None }
+    }
+
+    /// Enters a label, or a program with its file and last line.
+    fn enter(&mut self, program: Option<(FileId, u32)>, line: u32) {
+        let caller = Caller { file: self.file, last: self.last, line, program: program.is_some() };
+        self.calls.get_or_insert_default().push(caller);
+        (self.file, self.last) = program.unwrap_or((self.file, self.last));
+    }
+
+    /// Leaves a label or a program; the line after its call.
+    fn leave(&mut self, program: bool) -> Option<u32> {
+        let caller = self.calls.as_mut()?.pop_if(|caller| caller.program == program)?;
+        (self.file, self.last) = (caller.file, caller.last);
+        Some(caller.line)
+    }
+
+    fn is_in_program(&self) -> bool {
+        self.calls.iter().flatten().any(|caller| caller.program)
     }
 }
 

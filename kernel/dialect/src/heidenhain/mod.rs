@@ -123,6 +123,11 @@ impl Heidenhain {
     /// The block that begins at a line of the file being processed.
     fn line(&mut self, host: &mut dyn Host, line: u32) -> Result<Arc<Line>, String> {
         let file = host.place().file;
+        self.line_in(host, file, line)
+    }
+
+    /// A block of a file that is loaded.
+    fn line_in(&mut self, host: &mut dyn Host, file: FileId, line: u32) -> Result<Arc<Line>, String> {
         if let Some(known) = self.compiled.get((file, line)) {
             return Ok(Arc::clone(known));
         }
