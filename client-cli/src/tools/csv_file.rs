@@ -75,6 +75,11 @@ impl Row {
             Column::Tip => drop(write!(self.of_offset, ", tip = {}", value()?)),
             Column::Length => {
                 let value = value()?;
+                if value < 0.0 {
+                    return Err(format!(
+                        "the length {value} is below zero; a distance from the machine zero belongs to a column `Z`"
+                    ));
+                }
                 let _ = write!(self.of_data, ", length = {value:?}");
                 if table.length_is_along_z {
                     Self::along(&mut self.values, "Z", value, machine);
@@ -144,6 +149,16 @@ pub(super) fn read(file: String, text: &str, machine: &Facts) -> Result<Tools, E
     let known: Result<Vec<_>, String> = titles.iter().map(|title| columns::column(title, machine)).collect();
     let (columns, units): (Vec<Column>, Vec<Option<LengthUnit>>) =
         known.map_err(|text| wrong(head_line, text))?.into_iter().unzip();
+    for (at, column) in columns.iter().enumerate() {
+        let before = columns.iter().take(at).position(|other| other == column);
+        if let Some(first) = before.and_then(|first| titles.get(first)) {
+            let second = titles.get(at).unwrap_or_default();
+            return Err(wrong(
+                head_line,
+                format!("the columns '{first}' and '{second}' mean the same; remove one of them"),
+            ));
+        }
+    }
     let has = |column: &Column| columns.contains(column);
     if !(has(&Column::Number) || has(&Column::Offset) || machine.by_name && has(&Column::Name)) {
         let text =

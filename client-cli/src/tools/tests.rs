@@ -68,6 +68,13 @@ fn what_is_no_table_of_tools_is_refused_with_its_line() {
         ("tools.csv", "number,radius\n1,round\n", "tools.csv:2: 'round' is not a number"),
         ("tools.csv", "number,radius\nA1,2\n", "tools.csv:2: 'A1' is not a tool number"),
         ("tools.csv", "number,radius\n1,2,3\n", "tools.csv:2: 3 columns"),
+        (
+            "tools.csv",
+            "# mine\nT,Dia,Diameter,X\n1,2,2,3\n",
+            "tools.csv:2: the columns 'Dia' and 'Diameter' mean the same",
+        ),
+        ("tools.csv", "T,Dia,Dia,Length\n1,2,2,3\n", "tools.csv:1: the columns 'Dia' and 'Dia' mean the same"),
+        ("tools.csv", "T,length\n1,-352.1\n", "tools.csv:2: the length -352.1 is below zero; a distance from"),
         ("tools.csv", "number,radius\n,2\n", "tools.csv:2: the tool has no number"),
         ("tools.toml", "[[codes]]\nid = 1\n", "`codes` is not for a table of tools"),
         ("tools.toml", "[tool]\noffset_digits = 2\n", "`tool` is not for a table of tools"),
