@@ -93,7 +93,7 @@ impl Walk<'_> {
             "the words do not determine this element of a free contour, with those behind it and FSELECT, in '{}'",
             self.host.block_text()
         );
-        self.host.alarm(&diag::STATEMENT_UNKNOWN, text)
+        self.host.alarm(&diag::FREE_CONTOUR, text)
     }
 
     /// FPOL.

@@ -91,12 +91,30 @@ pub(super) fn missing_among_listed(act: &mut Act<'_, '_>, offset: u32) {
     if machine.tool.offsets.is_empty() || !has_no_values(act, offset) {
         return;
     }
-    let subject = match (offset.checked_div(machine.tool.edges), offset.checked_rem(machine.tool.edges)) {
-        (Some(tool), Some(edge)) => format!("edge {edge} of tool {tool}"),
-        _ => format!("tool offset {offset}"),
-    };
+    let subject = in_words(act, offset).unwrap_or_else(|| format!("tool offset {offset}"));
     let text = format!("{subject} has no values in machine {}, zero is used", machine.name);
     act.diagnose(&diag::NO_OFFSET, text);
+}
+
+/// A tool offset by its tool, as programs call it, where programs do not give numbers of offsets: an edge of a tool, or a
+/// tool of a control that calls tools by name.
+pub(super) fn in_words(act: &Act<'_, '_>, offset: u32) -> Option<String> {
+    let (rows, tools) = (&act.env.machine.tool, &act.state.others.tools);
+    let named = |tool: u32| {
+        let known = rows.facts(tool).map(|facts| facts.name.as_str()).filter(|name| !name.is_empty());
+        match tools.called.name_of(tool).or(known) {
+            Some(name) => format!("tool \"{name}\""),
+            None => format!("tool {tool}"),
+        }
+    };
+    if let (Some(tool), Some(edge)) = (offset.checked_div(rows.edges), offset.checked_rem(rows.edges)) {
+        return Some(format!("edge {edge} of {}", named(tool)));
+    }
+    rows.named_from?;
+    // Allowances and indexes of a tool have rows of their own.
+    let loaded = act.state.place.tools.current;
+    let own = tools.called.name_of(offset).is_some() || rows.facts(offset).is_some() || loaded == 0;
+    Some(named(if own { offset } else { loaded }))
 }
 
 fn has_no_values(act: &Act<'_, '_>, offset: u32) -> bool {

@@ -166,7 +166,8 @@ fn no_radius(act: &mut Act<'_, '_>, number: u32) {
     let text = if number == 0 {
         format!("no offset number is active for the compensation of '{block}', the tool moves on the contour")
     } else {
-        format!("offset {number} has no radius for the compensation of '{block}', the tool moves on the contour")
+        let subject = crate::action::tool::in_words(act, number).unwrap_or_else(|| format!("offset {number}"));
+        format!("{subject} has no radius for the compensation of '{block}', the tool moves on the contour")
     };
     act.diagnose(&diag::NO_RADIUS, text);
 }
