@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use uuid::Uuid;
 
 use crate::doctor::examine;
+use crate::local::contained::contained;
 use crate::local::ledger::checkup::{Checkup, copy_ledger};
 use crate::local::store::Store;
 use crate::reason::Refusal;
@@ -41,7 +42,8 @@ pub struct Contents {
 /// When `to` is not empty, when a file cannot be read or written, or when the server does not answer.
 pub fn backup(from: &Path, to: &Path) -> Result<Contents, String> {
     make_empty(to)?;
-    copy_with_ledger(from, to)
+    contained(|| copy_with_ledger(from, to))
+        .and_then(|copied| copied)
         .map_err(|refusal| format!("the backup is not whole, remove '{}': {refusal}", to.display()))
 }
 

@@ -9,7 +9,9 @@ use std::{fmt, fs, io};
 use crate::blobs::{Blobs as _, is_digest};
 use crate::ledger::record::Record;
 use crate::local::blobs::LocalBlobs;
+use crate::local::contained::contained;
 use crate::local::ledger::checkup::{Checkup, Rows};
+use crate::local::ledger::salvage::Saved;
 use crate::local::ledger::{lost, not_lost};
 use crate::local::store::Store;
 use crate::log::kept::Kept;
@@ -44,7 +46,7 @@ impl fmt::Display for Damage {
 pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
     let store = Store::examine(folder.to_owned()).map_err(|error| format!("'{}': {error}", folder.display()))?;
     let mut doctor = Doctor { blobs: LocalBlobs::new(store.clone(), u64::MAX), store, repair, found: Vec::new() };
-    doctor.folder().map_err(|refusal| refusal.to_string())?;
+    contained(|| doctor.folder()).and_then(|done| done).map_err(|refusal| refusal.to_string())?;
     Ok(doctor.found)
 }
 
@@ -77,6 +79,7 @@ impl Doctor {
             if !ledger.is_file() {
                 return Ok(None);
             }
+            self.pages()?;
             let opened = Checkup::open(&self.store, self.repair);
             opened.map(Some).map_err(|error| lost(&self.store, &format!("cannot be opened ({error})")))
         });
@@ -84,13 +87,12 @@ impl Doctor {
             Ok(Some(checkup)) => checkup,
             Ok(None) => return Ok(()),
             Err(refusal) => {
-                self.lasting(ledger, "the ledger cannot be used", refusal.to_string());
+                if !self.found.iter().any(|damage| damage.path == ledger) {
+                    self.lasting(ledger, "the ledger cannot be used", refusal.to_string());
+                }
                 return Ok(());
             }
         };
-        if !checkup.whole {
-            self.mendable(ledger, "pages of the ledger do not agree", "the last state that agrees is taken", "");
-        }
         let rows = checkup.rows()?;
         self.rows(&rows);
         if self.repair {
@@ -101,6 +103,24 @@ impl Doctor {
         }
         self.folders(&rows)?;
         self.blobs(&rows)
+    }
+
+    /// Saves what is whole in a ledger with damaged pages.
+    fn pages(&mut self) -> Result<(), Refusal> {
+        let Err(why) = Checkup::sound(&self.store) else { return Ok(()) };
+        let damaged = lost(&self.store, &format!("is damaged ({why})"));
+        let saved = Saved::read(&self.store).map_err(|_| damaged.clone())?;
+        let (jobs, machines) = saved.counts();
+        let kept = self.store.ledger().with_extension("redb.damaged");
+        let done = format!(
+            "{jobs} jobs and {machines} rows of machines are saved into a new ledger, the damaged one is kept as '{}'",
+            kept.display()
+        );
+        if self.repair {
+            saved.replace(&self.store)?;
+        }
+        self.mendable(self.store.ledger(), format!("pages of the ledger are damaged ({why})"), &done, "");
+        if self.repair { Ok(()) } else { Err(damaged) }
     }
 
     fn rows(&mut self, rows: &Rows) {
@@ -131,11 +151,15 @@ impl Doctor {
         if record.state.ended() && !record.log_digest.is_empty() {
             let files = self.store.logs(&record.id);
             let path = if files.segments.is_file() { files.segments.clone() } else { files.plain.clone() };
-            let kept =
-                if files.there() { Some(Kept::Files(files)) } else { checkup.log(&record.id)?.map(Kept::Ledger) };
+            let kept = match files.there() {
+                true => Ok(Some(Kept::Files(files))),
+                false => checkup.log(&record.id).map(|log| log.map(Kept::Ledger)),
+            };
             match kept {
-                None => self.lasting(path, "the log of an ended job is gone", again),
-                Some(kept) => {
+                Err(Refusal::DataLoss(text)) => self.lasting(self.store.ledger(), text, again),
+                Err(refusal) => return Err(refusal),
+                Ok(None) => self.lasting(path, "the log of an ended job is gone", again),
+                Ok(Some(kept)) => {
                     if let Some(error) = damage_of_log(&kept, record.events)? {
                         let path = if matches!(kept, Kept::Files(_)) { path } else { self.store.ledger() };
                         self.lasting(path, format!("job '{}': {error}", record.id), again);
@@ -145,7 +169,10 @@ impl Doctor {
         }
         if record.runs.has_files {
             let path = self.store.job(&record.id).join(Document::Files.file());
-            let read = fs::read(&path).ok();
+            let read = self.store.read(&record.id, Document::Files.file()).ok().or_else(|| {
+                // As an earlier version wrote it.
+                fs::read(&path).ok().filter(|_| checkup.earlier)
+            });
             if read.is_none_or(|text| serde_json::from_slice::<serde::de::IgnoredAny>(&text).is_err()) {
                 self.lasting(path, "the files that macros have written cannot be read", again);
             }

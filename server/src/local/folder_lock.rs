@@ -1,6 +1,7 @@
 //! One server per data folder: an exclusive lock, taken before anything in the folder is touched.
 //!
-//! Invariant: the lock ends with the process, however it ends.
+//! Invariant: the lock ends with the process, however it ends, and with its holder, even while the process starts a
+//! command that has not yet closed the descriptors it inherits.
 
 use std::fs::{File, TryLockError};
 use std::io::{self, Read, Seek, Write};
@@ -37,5 +38,11 @@ impl FolderLock {
     /// Releases the folder although this lock may still be held.
     pub(crate) fn release(&self) {
         let _ = self.0.unlock();
+    }
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        self.release();
     }
 }

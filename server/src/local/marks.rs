@@ -1,6 +1,7 @@
 //! Marks of running jobs, in one file that is written in place: a run makes and removes no file.
 //!
-//! A mark lies in a slot of its own, `<attempt> <id>`, followed by zeros. *Invariant:* a slot is written by one write
+//! A mark lies in a slot of its own, `<attempt> <id> <CRC-32 of both>`, followed by zeros; marks of earlier versions
+//! have no checksum. *Invariant:* a slot is written by one write
 //! within a page, so a process that is killed leaves each slot in its old or its new state. Nothing is made durable:
 //! the marks are for the server after one that died, not for one after a power loss, which no job has caused.
 
@@ -53,6 +54,7 @@ impl Marks {
     /// Marks a job as running, with the number of its run.
     pub(crate) fn mark(&self, id: &str, attempt: u32) -> io::Result<()> {
         let text = format!("{attempt} {id}");
+        let text = format!("{text} {:08x}", crc32fast::hash(text.as_bytes()));
         if text.len() >= SLOT || id.contains(['\0', ' ']) {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("'{id}' cannot be the name of a job")));
         }
@@ -103,6 +105,12 @@ impl Marks {
 /// Job and number of its run, if a slot holds a mark.
 fn read(slot: &[u8]) -> Option<(String, u32)> {
     let text = slot.split(|byte| *byte == 0).next().and_then(|text| std::str::from_utf8(text).ok())?;
+    let text = match text.rsplit_once(' ') {
+        Some((mark, crc)) if mark.contains(' ') => {
+            Some(mark).filter(|mark| format!("{:08x}", crc32fast::hash(mark.as_bytes())) == crc)?
+        }
+        _ => text,
+    };
     let (attempt, id) = text.split_once(' ')?;
     Some((id.to_owned(), attempt.parse().ok()?))
 }

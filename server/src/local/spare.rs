@@ -1,7 +1,6 @@
-//! Files that can be made again and are not worth an fsync: a head with length and checksum tells whether they are
-//! whole.
+//! Files in the folders of jobs: a head with length and checksum tells whether they are whole.
 //!
-//! Invariant: a file is read whole or not at all. One without such a head is from an earlier version, which synced it.
+//! Invariant: a file is read whole or not at all.
 
 use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom};
@@ -24,10 +23,7 @@ pub(super) fn whole(mut file: File) -> io::Result<File> {
     let mut head = Vec::new();
     (&mut file).take(HEAD as u64).read_to_end(&mut head)?;
     let Some((length, crc)) = head.strip_prefix(MAGIC).and_then(|rest| rest.split_first_chunk::<8>()) else {
-        file.seek(SeekFrom::Start(0))?;
-        // JSON or SVG. A loss of power leaves an empty file, one of zeros or a part of the head.
-        let plain = head.first().is_some_and(|byte| b"{[<".contains(byte));
-        return if plain { Ok(file) } else { Err(damaged()) };
+        return Err(damaged());
     };
     let (mut hash, mut read, mut buffer) = (crc32fast::Hasher::new(), 0, vec![0; 64 * 1024]);
     loop {
@@ -45,8 +41,13 @@ pub(super) fn whole(mut file: File) -> io::Result<File> {
     Ok(file)
 }
 
+/// Whether a content is that of a file without a head, as earlier versions wrote those of macros.
+pub(super) fn is_plain_json(content: &[u8]) -> bool {
+    serde_json::from_slice::<serde::de::IgnoredAny>(content).is_ok()
+}
+
 fn damaged() -> io::Error {
-    io::Error::new(io::ErrorKind::NotFound, "the stored result is not whole")
+    io::Error::new(io::ErrorKind::InvalidData, "a stored file is not whole: its checksum is wrong")
 }
 
 #[cfg(test)]
@@ -65,14 +66,14 @@ mod tests {
         let content = b"{\"makespan\":7}\n";
         let stored = [&head(content)[..], content].concat();
         assert_eq!(read(&stored).unwrap(), content);
-        assert_eq!(read(content).unwrap(), content, "of an earlier version");
-        for cut in 8..stored.len() {
+        assert_eq!(read(content), None, "without a head");
+        for cut in 0..stored.len() {
             assert_eq!(read(&stored[..cut]), None, "{cut}");
         }
-        for at in 8..stored.len() {
+        for bit in 0..stored.len() * 8 {
             let mut bad = stored.clone();
-            bad[at] ^= 1;
-            assert_eq!(read(&bad), None, "{at}");
+            bad[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(read(&bad), None, "{bit}");
         }
         assert_eq!(read(b""), None);
         assert_eq!(read(&vec![0; stored.len()]), None);

@@ -6,7 +6,7 @@
 
 use std::collections::HashSet;
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, Read as _, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -16,6 +16,7 @@ use super::marks::Marks;
 use super::shared::Shared;
 use super::spare;
 use crate::log::kept::Files;
+use crate::results::Document;
 use crate::tenant;
 
 /// The data folder.
@@ -169,10 +170,11 @@ impl Store {
         Files { plain: self.log(id), segments: self.job(id).join("log.segments") }
     }
 
-    /// Writes a whole file into the folder of a job: temporary file, fsync, rename. Its name is made durable by
-    /// [`sync_job`](Self::sync_job).
+    /// Writes a whole file with its checksum into the folder of a job: temporary file, fsync, rename. Its name is made
+    /// durable by [`sync_job`](Self::sync_job).
     pub(crate) fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
         let mut file = self.temporary()?;
+        file.write_all(&spare::head(content))?;
         file.write_all(content)?;
         if self.durable {
             file.sync()?;
@@ -181,13 +183,40 @@ impl Store {
         file.place(&self.job(id).join(name))
     }
 
-    /// Same without fsync, for files that can be made again: a checksum shows whether the file is complete.
+    /// Same without fsync, for files that can be made again.
     pub(crate) fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
         let mut file = self.temporary()?;
         file.write_all(&spare::head(content))?;
         file.write_all(content)?;
         self.disk.create_folder(&self.job(id))?;
         file.place(&self.job(id).join(name))
+    }
+
+    /// The content of a file in the folder of a job.
+    ///
+    /// # Errors
+    /// Of kind `InvalidData` when it is not whole.
+    pub(crate) fn read(&self, id: &str, name: &str) -> io::Result<Vec<u8>> {
+        let (mut content, path) = (Vec::new(), self.job(id).join(name));
+        spare::whole(self.disk.open(&path)?)?.read_to_end(&mut content)?;
+        Ok(content)
+    }
+
+    /// Gives the files of macros that an earlier version has written their checksums. One that is not whole stays as it
+    /// is, and is reported when it is read.
+    pub(crate) fn seal_files(&self) -> io::Result<()> {
+        let name = Document::Files.file();
+        for id in self.jobs()? {
+            match fs::read(self.job(&id).join(name)) {
+                Ok(content) if spare::is_plain_json(&content) => {
+                    self.write(&id, name, &content)?;
+                    self.sync_job(&id)?;
+                }
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// A temporary file.
@@ -367,7 +396,7 @@ mod tests {
         let store = Store::open(folder.path().join("data"), true, Disk::default()).unwrap();
         store.write("j", "files.json", b"one").unwrap();
         store.write("j", "files.json", b"two").unwrap();
-        assert_eq!(fs::read(store.job("j").join("files.json")).unwrap(), b"two");
+        assert_eq!(store.read("j", "files.json").unwrap(), b"two");
         assert_eq!(fs::read_dir(store.tmp()).unwrap().count(), 0);
     }
 

@@ -82,6 +82,13 @@ impl<'a> Iterator for Fields<'a> {
 /// First field of the oneof with the kind of an event.
 const FIRST_KIND: u64 = 10;
 
+/// Whether an encoded batch begins and ends with these numbers of its first and last event, as all stored ones do.
+pub(crate) fn spans(batch: &[u8], first: u64, last: u64) -> bool {
+    let mut end = Vec::with_capacity(12);
+    super::encode::varint_field(&mut end, 2, last);
+    matches!(Fields(batch).next(), Some((1, Value::Number(begin))) if begin == first) && batch.ends_with(&end)
+}
+
 /// The encoded events of an encoded batch.
 pub(crate) fn events(batch: &[u8]) -> impl Iterator<Item = &[u8]> {
     Fields(batch).filter(|(field, _)| *field == 3).map(|(_, value)| value.bytes())

@@ -63,6 +63,9 @@ impl Reader {
         let frame = head.strip_prefix(MAGIC).and_then(Frame::read).ok_or_else(|| damage("its head is not one"))?;
         let mut description = vec![0; (frame.length as usize).min(RECORD_MAX)];
         file.read_exact(&mut description).map_err(cut)?;
+        if crc32fast::hash(&description) != frame.crc || description.len() != frame.length as usize {
+            return Err(damage("its description has a wrong checksum"));
+        }
         let description =
             JobDescription::decode(description.as_slice()).map_err(|_| damage("its description cannot be read"))?;
         let mut read = (head.len() + frame.length as usize) as u64;
@@ -130,8 +133,11 @@ impl Reader {
             let at = self.read - self.piece.len() as u64;
             self.piece.advance(FRAME);
             let body = self.piece.split_to(length).freeze();
-            if crc32fast::hash(&body) != frame.crc {
+            if crc32fast::hash(&body) != frame.crc || !decode::spans(&body, frame.first, frame.last) {
                 return Err(damage("a checksum is wrong"));
+            }
+            if frame.first > self.after.saturating_add(1) {
+                return Err(damage(&format!("events {} to {} are missing", self.after + 1, frame.first - 1)));
             }
             let after = std::mem::replace(&mut self.after, frame.last);
             let batch = Batch { first: frame.first, last: frame.last, body, at };

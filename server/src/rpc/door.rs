@@ -43,10 +43,10 @@ fn check(good: bool, field: &str, rule: impl Into<String>) -> Result<(), Refusal
     if good { Ok(()) } else { Err(Refusal::field(field, rule)) }
 }
 
-/// Identity of a job.
+/// Identity of a job; none is that of no job.
 pub(super) fn id(field: &str, text: &str) -> Result<(), Refusal> {
     let allowed = text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'-');
-    check((1..=64).contains(&text.len()) && allowed, field, "must be 1 to 64 characters of A-Z a-z 0-9 -")
+    check(text.len() <= 64 && allowed, field, "must be at most 64 characters of A-Z a-z 0-9 -")
 }
 
 /// Name of a machine, perhaps with its revision; none is fine.

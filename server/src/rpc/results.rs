@@ -149,16 +149,20 @@ async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Vec<(S
     let (core, caller) = (core.clone(), caller.clone());
     blocking(move || {
         let record = ended(&core, &caller, &id)?;
-        let kept = core.logs.open(&record.id, Document::Files.file()).ok().and_then(|mut file| {
-            let mut text = Vec::new();
-            file.read_to_end(&mut text).ok().map(|_| text)
-        });
+        let kept = match core.logs.open(&record.id, Document::Files.file()) {
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => return Err(lost_files(&id)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            other => {
+                let mut text = Vec::new();
+                other?.read_to_end(&mut text)?;
+                Some(text)
+            }
+        };
         let live = || core.live(&id).and_then(|live| live.finished()?.document(Document::Files));
         let text = match kept.or_else(live) {
             Some(text) => text,
             None if record.runs.has_files => {
-                let text = "the files that macros have written are gone; submit the job again, it writes them again";
-                return Err(Refusal::DataLoss(text.to_owned()));
+                return Err(lost_files(&id));
             }
             None if core.kept_log(&id)?.is_some() => return Ok(Vec::new()),
             None => return Err(Refusal::NoResults(id)),
@@ -166,6 +170,13 @@ async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Vec<(S
         serde_json::from_slice(&text).map_err(|error| Refusal::Storage(error.to_string()))
     })
     .await
+}
+
+fn lost_files(id: &str) -> Refusal {
+    Refusal::DataLoss(format!(
+        "the files that the macros of job '{id}' have written are damaged or gone; submit the job again, it writes them \
+         again"
+    ))
 }
 
 async fn document_of<T: Chunk>(core: &Arc<Core>, caller: &Caller, id: String, document: Document) -> Answer<T> {

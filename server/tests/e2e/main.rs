@@ -26,6 +26,8 @@ mod each_step;
 #[cfg(target_os = "linux")]
 mod faults;
 mod find;
+#[cfg(target_os = "linux")]
+mod flips;
 mod floods;
 mod folder;
 mod guard;

@@ -299,13 +299,18 @@ impl Server {
     }
 
     pub async fn start_on(options: Options, disk: Disk) -> Self {
+        Self::try_start(options, disk).await.unwrap()
+    }
+
+    /// A server, if it starts.
+    pub async fn try_start(options: Options, disk: Disk) -> Result<Self, service::Error> {
         let script = Script::default();
-        let service = service::build_on(options, script.clone(), disk).await.unwrap();
+        let service = service::build_on(options, script.clone(), disk).await?;
         let handle = service.handle();
         let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
         let address = format!("http://{}", handle.address());
         let connection = Connection::from_shared(address).unwrap().connect().await.unwrap();
-        Self { handle, task, script, connection }
+        Ok(Self { handle, task, script, connection })
     }
 
     pub async fn stop(self) {

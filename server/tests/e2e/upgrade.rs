@@ -20,7 +20,7 @@ const MACHINE_BYTES: TableDefinition<'_, &str, u64> = TableDefinition::new("mach
 const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 
 /// The schema of this version.
-const NOW: u64 = 9;
+const NOW: u64 = 10;
 
 /// A row as schema 1 began: without answers, limits of the server and counters of the host.
 pub fn row_1(id: &str, request: &str, state: &str, script: &str) -> Value {
@@ -157,7 +157,10 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
         }
         server.until_events(&jobs["running"], 1990).await;
         server.stop().await;
-        back_to_8(folder);
+        back_to_9(folder);
+        if schema <= 8 {
+            back_to_8(folder);
+        }
         if schema <= 7 {
             back_to_7(folder);
         }
@@ -175,7 +178,7 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
     let log = {
         let database = redb::Database::open(folder.join("ledger.redb")).unwrap();
         let logs = database.begin_read().unwrap().open_table(LOG).unwrap();
-        logs.get(small).unwrap().unwrap().value().to_vec()
+        logs.get(small).unwrap().unwrap().value()[5..].to_vec()
     };
     for ((name, script, _), state) in SCRIPTS[2..].iter().copied().zip(["RUNNING", "QUEUED"]) {
         let id = format!("ffffffff-ffff-7fff-bfff-0000000000{:02}", rows.len());
@@ -217,6 +220,28 @@ async fn folder_of(folder: &Path, schema: u64) -> BTreeMap<&'static str, String>
     }
     txn.commit().unwrap();
     jobs
+}
+
+/// Gives a ledger of schema 10 the form of schema 9: rows have no checksums, nor have the files of macros.
+fn back_to_9(folder: &Path) {
+    let database = redb::Database::open(folder.join("ledger.redb")).unwrap();
+    let txn = database.begin_write().unwrap();
+    for table in [JOB, WORK, MACHINE, LOG] {
+        let mut rows = txn.open_table(table).unwrap();
+        let all: Vec<(String, Vec<u8>)> = rows
+            .iter()
+            .unwrap()
+            .map(|row| row.map(|(key, row)| (key.value().to_owned(), row.value()[5..].to_vec())).unwrap())
+            .collect();
+        for (key, row) in all {
+            rows.insert(key.as_str(), row.as_slice()).unwrap();
+        }
+    }
+    let mut meta = txn.open_table(META).unwrap();
+    meta.insert("schema", 9).unwrap();
+    meta.remove("files").unwrap();
+    drop(meta);
+    txn.commit().unwrap();
 }
 
 /// Gives a ledger of schema 9 the form of schema 8: the bytes of requests and machines do not count.
@@ -338,6 +363,8 @@ async fn an_attended_job_of_an_earlier_schema_keeps_its_options_and_answers() {
     let job = server.jobs().submit_job(request.clone()).await.unwrap().into_inner().status.unwrap().job_id;
     server.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
     server.stop().await;
+    back_to_9(folder.path());
+    back_to_8(folder.path());
     back_to_7(folder.path());
     let database = redb::Database::open(folder.path().join("ledger.redb")).unwrap();
     let txn = database.begin_write().unwrap();
@@ -376,4 +403,30 @@ async fn a_ledger_of_a_later_schema_is_refused_and_not_touched() {
         assert!(refused.contains(part), "{refused}");
     }
     assert_eq!(schema(folder.path()), 999);
+}
+
+/// Files of macros were stored without a checksum before schema 10.
+#[tokio::test]
+async fn files_of_macros_of_an_earlier_schema_get_a_checksum() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("r", "EVENTS 2\nWRITE a.txt").await;
+    server.wait(&job).await;
+    server.stop().await;
+    back_to_9(folder.path());
+    let path = folder.path().join("jobs").join(&job).join("files.json");
+    let sealed = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &sealed[20..]).unwrap();
+    assert!(serde_json::from_slice::<Value>(&sealed[20..]).is_ok());
+    assert_eq!(counterpoint_server::doctor::examine(folder.path(), false).unwrap(), [], "of the earlier schema");
+    let server = Server::start(options(folder.path())).await;
+    assert_eq!(std::fs::read(&path).unwrap(), sealed);
+    let list = v1::ListFilesRequest { job_id: job.clone(), ..Default::default() };
+    let files = server.results().list_files(list.clone()).await.unwrap().into_inner().files;
+    assert_eq!(files.iter().map(|file| file.path.as_str()).collect::<Vec<_>>(), ["a.txt"]);
+    // From now on one without a checksum is damaged.
+    std::fs::write(&path, &sealed[20..]).unwrap();
+    let refused = server.results().list_files(list).await.unwrap_err();
+    assert!(reason(&refused) == "DATA_LOSS" && refused.message().contains(&job), "{refused}");
+    server.stop().await;
 }

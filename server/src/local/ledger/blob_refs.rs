@@ -57,7 +57,7 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     let jobs = txn.open_table(JOB).map_err(storage)?;
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        let Some(record) = readable::<Record>(id.value(), row.value()) else { continue };
+        let Some(record) = readable::<Record>(JOB, id.value(), row.value()) else { continue };
         if let Some(work) = works::anywhere(txn, id.value(), row.value())? {
             add(txn, &of_job(&record.tenant, &work))?;
         }
@@ -67,7 +67,7 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
         let (name, row) = row.map_err(storage)?;
         // The row without a revision holds the same definition as that of its newest one.
         if let Some(definition) =
-            readable::<Definition>(name.value(), row.value()).filter(|_| name.value().contains('@'))
+            readable::<Definition>(MACHINE, name.value(), row.value()).filter(|_| name.value().contains('@'))
         {
             add(txn, &of_machine(&definition))?;
         }

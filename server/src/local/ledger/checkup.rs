@@ -21,8 +21,8 @@ use crate::reason::Refusal;
 #[derive(Debug)]
 pub(crate) struct Checkup {
     database: Database,
-    /// All pages had their checksums.
-    pub(crate) whole: bool,
+    /// It has the form of an earlier version, without checksums.
+    pub(crate) earlier: bool,
 }
 
 /// A row that cannot be read.
@@ -53,12 +53,19 @@ impl Checkup {
     pub(crate) fn open(store: &Store, repair: bool) -> Result<Self, Refusal> {
         let place = Place::File(store.ledger(), store.disk().clone());
         let opened = if repair { place.open() } else { place.try_frozen() };
-        let mut database = opened.map_err(storage)?;
+        let database = opened.map_err(storage)?;
         let txn = database.begin_write().map_err(storage)?;
-        schema::migrate(&txn, store)?;
+        let before = schema::migrate(&txn, store)?;
+        if repair {
+            schema::seal_files(&txn, store)?;
+        }
         txn.commit().map_err(storage)?;
-        let whole = database.check_integrity().map_err(storage)?;
-        Ok(Self { database, whole })
+        Ok(Self { database, earlier: before.is_some_and(|before| before < schema::SCHEMA) })
+    }
+
+    /// Whether all pages of the ledger of a folder have their checksums; what is wrong, if not.
+    pub(crate) fn sound(store: &Store) -> Result<(), String> {
+        Place::File(store.ledger(), store.disk().clone()).check()
     }
 
     /// Reads all rows.
@@ -73,7 +80,7 @@ impl Checkup {
         for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
             let (id, row) = row.map_err(storage)?;
             known.insert(id.value().to_owned());
-            match (parse::<Record>(id.value(), row.value()), works::read(&txn, id.value())) {
+            match (parse::<Record>(JOB, id.value(), row.value()), works::read(&txn, id.value())) {
                 (Ok(record), Ok(Some(work))) => {
                     count(blob_refs::of_job(&record.tenant, &work));
                     rows.need(&record.tenant, &work);
@@ -84,7 +91,7 @@ impl Checkup {
         }
         for row in txn.open_table(MACHINE).map_err(storage)?.iter().map_err(storage)? {
             let (name, row) = row.map_err(storage)?;
-            match parse::<Definition>(name.value(), row.value()) {
+            match parse::<Definition>(MACHINE, name.value(), row.value()) {
                 Ok(definition) if name.value().contains('@') => {
                     count(blob_refs::of_machine(&definition));
                     rows.need_files(&definition);
@@ -125,7 +132,7 @@ impl Checkup {
     pub(crate) fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal> {
         let table = self.database.begin_read().map_err(storage)?.open_table(LOG).map_err(storage)?;
         let row = table.get(id).map_err(storage)?;
-        Ok(row.map(|row| Bytes::copy_from_slice(row.value())))
+        row.map(|row| super::logged(id, row.value())).transpose()
     }
 
     /// Removes ended jobs.

@@ -94,7 +94,7 @@ pub(super) fn list_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     let jobs = txn.open_table(JOB).map_err(storage)?;
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        if let Some(record) = readable::<Record>(id.value(), row.value()) {
+        if let Some(record) = readable::<Record>(JOB, id.value(), row.value()) {
             add(txn, &record)?;
         }
     }
@@ -338,7 +338,7 @@ fn jobs(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal> {
                 page.next = page.jobs.last().map(|job| job.id.clone());
                 return Ok(page);
             }
-            let record = readable::<Record>(&bound, row.value()).filter(|record| record.tenant == query.tenant);
+            let record = readable::<Record>(JOB, &bound, row.value()).filter(|record| record.tenant == query.tenant);
             page.bytes = page.bytes.saturating_add(if record.is_some() { bytes } else { 0 });
             page.jobs.extend(record);
         }
@@ -363,7 +363,7 @@ pub(super) fn unfinished(txn: &ReadTransaction) -> Result<Vec<Record>, Refusal> 
     let mut found = Vec::new();
     for id in ids {
         let row = jobs.get(id.as_str()).map_err(storage)?;
-        found.extend(row.and_then(|row| readable::<Record>(&id, row.value())));
+        found.extend(row.and_then(|row| readable::<Record>(JOB, &id, row.value())));
     }
     Ok(found)
 }

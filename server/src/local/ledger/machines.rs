@@ -3,9 +3,9 @@
 //! Invariant: a machine has a row under its name, with its newest revision, and one for each revision under
 //! `name@revision`; blobs are counted by the latter.
 
-use redb::{ReadTransaction, ReadableTable, WriteTransaction};
+use redb::{ReadTransaction, ReadableTable, TableHandle as _, WriteTransaction};
 
-use super::{MACHINE, blob_refs, machine_bytes, readable, storage};
+use super::{MACHINE, blob_refs, machine_bytes, readable, seal, storage};
 use crate::ledger::Check;
 use crate::machines::Definition;
 use crate::reason::Refusal;
@@ -18,21 +18,25 @@ fn of_an_administrator(name: &str) -> Refusal {
 /// Stores a machine.
 pub(super) fn put(txn: &WriteTransaction, definition: &Definition, check: Check<Definition>) -> Result<(), Refusal> {
     check(definition)?;
-    let bytes = serde_json::to_vec(definition).map_err(storage)?;
     let name = tenant::key(&definition.tenant, &definition.name);
     let pinned = format!("{name}@{}", definition.revision());
+    let (newest, revision) =
+        (seal::json(MACHINE.name(), &name, definition)?, seal::json(MACHINE.name(), &pinned, definition)?);
     let mut table = txn.open_table(MACHINE).map_err(storage)?;
-    let before = table.get(name.as_str()).map_err(storage)?.and_then(|row| readable(&name, row.value()));
-    if !definition.trusted && before.is_some_and(|before: Definition| before.trusted) {
+    // One that cannot be read may be that of an administrator.
+    let trusted = |row: redb::AccessGuard<'_, &[u8]>| {
+        readable::<Definition>(MACHINE, &name, row.value()).is_none_or(|before| before.trusted)
+    };
+    if !definition.trusted && table.get(name.as_str()).map_err(storage)?.is_some_and(trusted) {
         return Err(of_an_administrator(&definition.name));
     }
     let length = |row: redb::AccessGuard<'_, &[u8]>| row.value().len() as u64;
-    let earlier = table.insert(name.as_str(), bytes.as_slice()).map_err(storage)?.map(length);
-    let same = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.map(length);
+    let earlier = table.insert(name.as_str(), newest.as_slice()).map_err(storage)?.map(length);
+    let same = table.insert(pinned.as_str(), revision.as_slice()).map_err(storage)?.map(length);
     let known = same.is_some();
     drop(table);
     let gone = earlier.unwrap_or(0) + same.unwrap_or(0);
-    machine_bytes::changed(txn, &definition.tenant, 2 * bytes.len() as u64, gone)?;
+    machine_bytes::changed(txn, &definition.tenant, (newest.len() + revision.len()) as u64, gone)?;
     if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(definition)) }
 }
 
@@ -42,9 +46,9 @@ pub(super) fn remove(txn: &WriteTransaction, tenant: &str, name: &str, trusted: 
     let mut table = txn.open_table(MACHINE).map_err(storage)?;
     let newest = match table.get(key.as_str()).map_err(storage)? {
         None => return Ok(false),
-        Some(row) => readable::<Definition>(&key, row.value()),
+        Some(row) => readable::<Definition>(MACHINE, &key, row.value()),
     };
-    if !trusted && newest.is_some_and(|newest| newest.trusted) {
+    if !trusted && newest.is_none_or(|newest| newest.trusted) {
         return Err(of_an_administrator(name));
     }
     let (mut rows, mut bytes) = (Vec::new(), 0);
@@ -52,7 +56,7 @@ pub(super) fn remove(txn: &WriteTransaction, tenant: &str, name: &str, trusted: 
     for row in table.range(first.as_str()..end.as_str()).map_err(storage)? {
         let (name, row) = row.map_err(storage)?;
         bytes += row.value().len() as u64;
-        rows.push((name.value().to_owned(), readable::<Definition>(name.value(), row.value())));
+        rows.push((name.value().to_owned(), readable::<Definition>(MACHINE, name.value(), row.value())));
     }
     bytes += table.remove(key.as_str()).map_err(storage)?.map_or(0, |row| row.value().len() as u64);
     for (name, _) in &rows {
@@ -75,7 +79,7 @@ pub(super) fn all(txn: &ReadTransaction, tenant: &str) -> Result<Vec<Definition>
         if name.value().contains('@') || machine_bytes::tenant_of(name.value()) != tenant {
             continue;
         }
-        found.extend(readable::<Definition>(name.value(), bytes.value()));
+        found.extend(readable::<Definition>(MACHINE, name.value(), bytes.value()));
     }
     Ok(found)
 }

@@ -7,12 +7,15 @@ mod blob_refs;
 pub(crate) mod checkup;
 mod file;
 mod index;
+mod lost;
 mod machine_bytes;
 mod machines;
 mod pace;
 pub(crate) mod retention;
 mod rows;
+pub(crate) mod salvage;
 mod schema;
+mod seal;
 mod usage;
 mod works;
 mod writer;
@@ -22,17 +25,20 @@ use std::thread::JoinHandle;
 
 use bytes::Bytes;
 use counterpoint_kernel::dialog::answers::Answer;
-use redb::{ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
+use redb::{ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 
+use super::contained::contained;
 use super::store::Store;
 use crate::ledger::record::{Record, Work};
 use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage, time_of};
+use crate::log::reader::damage;
 use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
+pub(crate) use lost::{lost, not_lost};
 use rows::{get, next_id, parse, put, readable, take_out};
 use writer::{Operation, Place, Shared};
 
@@ -40,6 +46,9 @@ const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
 const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
 const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
+
+/// A table whose rows have a checksum.
+type Rows<'a> = TableDefinition<'a, &'static str, &'static [u8]>;
 
 /// Handle on the ledger.
 #[derive(Debug)]
@@ -57,6 +66,14 @@ fn storage(error: impl std::fmt::Display) -> Refusal {
 
 fn closed() -> Refusal {
     storage("the ledger cannot be written at the moment")
+}
+
+/// The log in a row.
+fn logged(id: &str, row: &[u8]) -> Result<Bytes, Refusal> {
+    let content = seal::content(LOG.name(), id, row);
+    content
+        .map(Bytes::copy_from_slice)
+        .ok_or_else(|| damage(&format!("its row of job '{id}' has a wrong checksum")).into())
 }
 
 /// A number for a tenant; 0 for the server itself, whose name is empty.
@@ -88,6 +105,9 @@ impl LocalLedger {
     pub(crate) fn open(store: &Store, metrics: Arc<Metrics>) -> Result<Self, Refusal> {
         let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
         not_lost(store)?;
+        if store.ledger().metadata().is_ok_and(|meta| meta.len() > 0) {
+            place.check().map_err(|error| lost(store, &format!("is damaged ({error})")))?;
+        }
         let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
         store.sync_root()?;
         let txn = database.begin_write().map_err(storage)?;
@@ -95,6 +115,7 @@ impl LocalLedger {
             Refusal::DataLoss(text) => Refusal::DataLoss(format!("{} {text}", store.ledger().display())),
             other => other,
         })?;
+        schema::seal_files(&txn, store)?;
         let epoch = schema::next_epoch(&txn)?;
         txn.commit().map_err(storage)?;
         if let Some(before) = before.filter(|before| *before < schema::SCHEMA) {
@@ -121,6 +142,14 @@ impl LocalLedger {
     fn snapshot(&self) -> Result<ReadTransaction, Refusal> {
         let database = self.shared.database.read().unwrap_or_else(PoisonError::into_inner);
         database.as_ref().ok_or_else(closed)?.begin_read().map_err(storage)
+    }
+
+    /// Reads; damage that the database meets is an error.
+    fn read<T>(&self, work: impl FnOnce(&ReadTransaction) -> Result<T, Refusal>) -> Result<T, Refusal> {
+        let txn = contained(|| self.snapshot())??;
+        let done = contained(|| work(&txn));
+        contained(|| drop(txn))?;
+        done?
     }
 
     fn operation<R: Send + 'static>(
@@ -255,7 +284,11 @@ impl Ledger for LocalLedger {
         let work: writer::Work = Box::new(move |txn| {
             let keep = || {
                 if let Some(log) = log {
-                    txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
+                    let row = seal::bytes(LOG.name(), &record.id, &log);
+                    txn.open_table(LOG)
+                        .map_err(storage)?
+                        .insert(record.id.as_str(), row.as_slice())
+                        .map_err(storage)?;
                 }
                 put(txn, &record)
             };
@@ -269,9 +302,11 @@ impl Ledger for LocalLedger {
     }
 
     fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal> {
-        let table = self.snapshot()?.open_table(LOG).map_err(storage)?;
-        let row = table.get(id).map_err(storage)?;
-        Ok(row.map(|row| Bytes::copy_from_slice(row.value())))
+        self.read(|txn| {
+            let table = txn.open_table(LOG).map_err(storage)?;
+            let row = table.get(id).map_err(storage)?;
+            row.map(|row| logged(id, row.value())).transpose()
+        })
     }
 
     async fn remove(&self, record: Record) -> Result<(), Refusal> {
@@ -279,7 +314,7 @@ impl Ledger for LocalLedger {
     }
 
     fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
-        retention::expired(&self.snapshot()?, keep, now_ms, most)
+        self.read(|txn| retention::expired(txn, keep, now_ms, most))
     }
 
     fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<(), Refusal> {
@@ -287,36 +322,40 @@ impl Ledger for LocalLedger {
     }
 
     fn job(&self, id: &str) -> Result<Option<Record>, Refusal> {
-        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
-        let row = table.get(id).map_err(storage)?;
-        row.map(|row| parse(id, row.value())).transpose()
+        self.read(|txn| {
+            let table = txn.open_table(JOB).map_err(storage)?;
+            let row = table.get(id).map_err(storage)?;
+            row.map(|row| parse(JOB, id, row.value())).transpose()
+        })
     }
 
     fn work(&self, id: &str) -> Result<Option<Work>, Refusal> {
-        works::read(&self.snapshot()?, id)
+        self.read(|txn| works::read(txn, id))
     }
 
     fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<Record>, Refusal> {
-        let table = self.snapshot()?.open_table(REQUEST).map_err(storage)?;
-        let id = table.get(tenant::key(tenant, request_id).as_str()).map_err(storage)?.map(|id| id.value().to_owned());
+        let id = self.read(|txn| {
+            let table = txn.open_table(REQUEST).map_err(storage)?;
+            let id = table.get(tenant::key(tenant, request_id).as_str()).map_err(storage)?;
+            Ok(id.map(|id| id.value().to_owned()))
+        })?;
         id.map_or(Ok(None), |id| self.job(&id))
     }
 
     fn jobs(&self, query: &Query) -> Result<Page, Refusal> {
-        index::page(&self.snapshot()?, query)
+        self.read(|txn| index::page(txn, query))
     }
 
     fn unfinished(&self) -> Result<Vec<Record>, Refusal> {
-        index::unfinished(&self.snapshot()?)
+        self.read(index::unfinished)
     }
 
     fn usages(&self) -> Result<Vec<(String, Usage)>, Refusal> {
-        usage::all(&self.snapshot()?)
+        self.read(usage::all)
     }
 
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal> {
-        let txn = self.snapshot()?;
-        Ok(Usage { machines: machine_bytes::of(&txn, tenant)?, ..usage::of(&txn, tenant)? })
+        self.read(|txn| Ok(Usage { machines: machine_bytes::of(txn, tenant)?, ..usage::of(txn, tenant)? }))
     }
 
     fn epoch(&self) -> u64 {
@@ -355,24 +394,26 @@ impl Ledger for LocalLedger {
     }
 
     fn knows(&self, id: &str) -> Result<bool, Refusal> {
-        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
-        Ok(table.get(id).map_err(storage)?.is_some())
+        self.read(|txn| Ok(txn.open_table(JOB).map_err(storage)?.get(id).map_err(storage)?.is_some()))
     }
 
     fn machine(&self, tenant: &str, name: &str) -> Result<Option<Definition>, Refusal> {
-        let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
-        let row = table.get(tenant::key(tenant, name).as_str()).map_err(storage)?;
-        row.map(|row| parse(name, row.value())).transpose()
+        let key = tenant::key(tenant, name);
+        self.read(|txn| {
+            let table = txn.open_table(MACHINE).map_err(storage)?;
+            let row = table.get(key.as_str()).map_err(storage)?;
+            row.map(|row| parse(MACHINE, &key, row.value())).transpose()
+        })
     }
 
     fn machines(&self, tenant: &str) -> Result<Vec<Definition>, Refusal> {
-        machines::all(&self.snapshot()?, tenant)
+        self.read(|txn| machines::all(txn, tenant))
     }
 
     fn serve_backups(&self) {
         for request in self.store.backups().unwrap_or_default() {
             let copy = request.with_extension("copy");
-            let copied = self.snapshot().and_then(|from| checkup::copy(&from, &copy, &self.store)).and_then(|()| {
+            let copied = self.read(|from| checkup::copy(from, &copy, &self.store)).and_then(|()| {
                 std::fs::remove_file(&request)?;
                 Ok(std::fs::rename(&copy, request.with_extension("ready"))?)
             });
@@ -391,25 +432,6 @@ impl Drop for LocalLedger {
     fn drop(&mut self) {
         self.close();
     }
-}
-
-/// Refuses a missing or empty ledger beside jobs or blobs.
-pub(crate) fn not_lost(store: &Store) -> Result<(), Refusal> {
-    let length = std::fs::metadata(store.ledger()).map(|meta| meta.len()).ok();
-    if store.durable() && length.unwrap_or(0) == 0 && store.in_use() {
-        let what = if length.is_some() { "is empty" } else { "is missing" };
-        return Err(lost(store, &format!("{what} although there are jobs or blobs")));
-    }
-    Ok(())
-}
-
-/// A ledger that cannot be used, with the way out.
-pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
-    let root = store.root().display();
-    Refusal::DataLoss(format!(
-        "{} {what}: restore it from a backup, or set the folder aside and start with an empty one: mv '{root}' '{root}.lost'",
-        store.ledger().display()
-    ))
 }
 
 /// The answer to a submit whose request id is known.

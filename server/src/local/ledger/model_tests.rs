@@ -141,7 +141,7 @@ impl Random {
 
 /// Bytes of a row.
 fn row_bytes(row: &impl serde::Serialize) -> u64 {
-    serde_json::to_vec(row).unwrap().len() as u64
+    (seal::HEAD + serde_json::to_vec(row).unwrap().len()) as u64
 }
 
 fn definition(random: &mut Random) -> Definition {

@@ -50,7 +50,7 @@ pub(super) fn list_all(txn: &WriteTransaction, store: &Store) -> Result<(), Refu
     let jobs = txn.open_table(JOB).map_err(storage)?;
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        if let Some(record) = readable::<Record>(id.value(), row.value()).filter(|record| record.state.ended()) {
+        if let Some(record) = readable::<Record>(JOB, id.value(), row.value()).filter(|record| record.state.ended()) {
             let bytes = store.job_bytes(id.value()).max(record.runs.stored_bytes);
             let bytes = bytes.saturating_add(works::bytes(txn, id.value())?);
             ended.insert((record.ended_ms, id.value()), (bytes, record.tenant.as_str())).map_err(storage)?;
@@ -67,7 +67,7 @@ pub(super) fn with_tenants(txn: &WriteTransaction) -> Result<(), Refusal> {
         for row in earlier.iter().map_err(storage)? {
             let (key, bytes) = row.map_err(storage)?;
             let row = jobs.get(key.value().1).map_err(storage)?;
-            if let Some(record) = row.and_then(|row| readable::<Record>(key.value().1, row.value())) {
+            if let Some(record) = row.and_then(|row| readable::<Record>(JOB, key.value().1, row.value())) {
                 ended.insert(key.value(), (bytes.value(), record.tenant.as_str())).map_err(storage)?;
             }
         }

@@ -2,24 +2,26 @@
 //!
 //! Invariant: a row and its lists, counts and work change in the same transaction.
 
-use redb::{ReadableTable, WriteTransaction};
+use redb::{ReadableTable, TableHandle as _, WriteTransaction};
 use uuid::Uuid;
 
-use super::{JOB, LOG, REQUEST, blob_refs, index, retention, storage, usage, works};
+use super::{JOB, LOG, REQUEST, Rows, blob_refs, index, retention, seal, storage, usage, works};
 use crate::ledger::record::Record;
 use crate::reason::Refusal;
 use crate::tenant;
 
-/// The value of a row.
-pub(super) fn parse<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Result<T, Refusal> {
-    serde_json::from_slice(bytes).map_err(|error| {
-        Refusal::DataLoss(format!("the row '{row}' of the ledger cannot be read ({error}); submit its job again"))
-    })
+/// The value of a row of a table, which names the job or machine that it belongs to.
+pub(super) fn parse<T: serde::de::DeserializeOwned>(table: Rows<'_>, key: &str, row: &[u8]) -> Result<T, Refusal> {
+    let lost = |error: &dyn std::fmt::Display| {
+        Refusal::DataLoss(format!("the row '{key}' of the ledger cannot be read ({error}); submit its job again"))
+    };
+    let content = seal::content(table.name(), key, row).ok_or_else(|| lost(&"its checksum is wrong"))?;
+    serde_json::from_slice(content).map_err(|error| lost(&error))
 }
 
 /// Same, without a row that cannot be read.
-pub(super) fn readable<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Option<T> {
-    parse(row, bytes).inspect_err(|error| tracing::error!(%error, "a row of the ledger is left out")).ok()
+pub(super) fn readable<T: serde::de::DeserializeOwned>(table: Rows<'_>, key: &str, row: &[u8]) -> Option<T> {
+    parse(table, key, row).inspect_err(|error| tracing::error!(%error, "a row of the ledger is left out")).ok()
 }
 
 /// The next identity: ascending in the order of acceptance, also when the clock is set back.
@@ -39,7 +41,7 @@ fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
 
 /// Stores the row of a job; one that has ended is listed as such.
 pub(super) fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
-    let bytes = serde_json::to_vec(record).map_err(storage)?;
+    let bytes = seal::json(JOB.name(), &record.id, record)?;
     txn.open_table(JOB).map_err(storage)?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
     if !record.state.ended() {
         return Ok(());
@@ -56,7 +58,7 @@ pub(super) fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Resul
     let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
     txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
     let work = works::remove(txn, id)?;
-    let Some(record) = row.and_then(|row| readable::<Record>(id, &row)) else { return Ok(()) };
+    let Some(record) = row.and_then(|row| readable::<Record>(JOB, id, &row)) else { return Ok(()) };
     txn.open_table(REQUEST)
         .map_err(storage)?
         .remove(tenant::key(&record.tenant, &record.request_id).as_str())
@@ -73,7 +75,7 @@ pub(super) fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Resul
 pub(super) fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
     let table = txn.open_table(JOB).map_err(storage)?;
     let row = table.get(id).map_err(storage)?;
-    row.map(|row| parse(id, row.value())).transpose()
+    row.map(|row| parse(JOB, id, row.value())).transpose()
 }
 
 #[cfg(test)]

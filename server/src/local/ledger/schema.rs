@@ -3,9 +3,9 @@
 //! A ledger of an earlier form is brought to this one when it is opened, in one transaction. Invariant: the file holds
 //! the old form or the new one, never a mixture; a ledger of a later form is not touched.
 
-use redb::{ReadableTable, TableDefinition, WriteTransaction};
+use redb::{ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 
-use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, machine_bytes, retention, storage, usage, works};
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, machine_bytes, retention, seal, storage, usage, works};
 use crate::local::store::Store;
 use crate::reason::Refusal;
 
@@ -16,7 +16,7 @@ type Step = fn(&WriteTransaction, &Store) -> Result<(), Refusal>;
 
 /// The steps: the first leads from form 1 to form 2, and so on.
 const STEPS: &[Step] =
-    &[small_logs, blob_counts, ended_jobs, tenants, terms_and_usage, ended_of_tenants, works_of_jobs, all_bytes];
+    &[small_logs, blob_counts, ended_jobs, tenants, terms_and_usage, ended_of_tenants, works_of_jobs, all_bytes, seals];
 
 /// The form that this server writes.
 pub(super) const SCHEMA: u64 = 1 + STEPS.len() as u64;
@@ -85,6 +85,37 @@ fn all_bytes(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
     retention::list_all(txn, store)?;
     usage::count_all(txn)?;
     machine_bytes::count_all(txn)
+}
+
+/// 9 → 10: every row of a job, a machine, a log and a work has a checksum.
+fn seals(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+    for table in [JOB, works::WORK, MACHINE, LOG] {
+        let mut rows = txn.open_table(table).map_err(storage)?;
+        let mut plain = Vec::new();
+        for row in rows.iter().map_err(storage)? {
+            let (key, row) = row.map_err(storage)?;
+            if seal::is_plain(row.value()) {
+                plain.push(key.value().to_owned());
+            }
+        }
+        for key in plain {
+            let content = rows.get(key.as_str()).map_err(storage)?.map(|row| row.value().to_vec()).unwrap_or_default();
+            rows.insert(key.as_str(), seal::bytes(table.name(), &key, &content).as_slice()).map_err(storage)?;
+        }
+    }
+    machine_bytes::count_all(txn)
+}
+
+/// Gives the files of macros of earlier versions their checksums, once.
+pub(super) fn seal_files(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
+    let mut table = txn.open_table(META).map_err(storage)?;
+    if table.get("files").map_err(storage)?.is_none() {
+        if store.durable() {
+            store.seal_files()?;
+        }
+        table.insert("files", 1).map_err(storage)?;
+    }
+    Ok(())
 }
 
 /// The number of this opening.

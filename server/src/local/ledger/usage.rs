@@ -80,7 +80,7 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     let mut jobs = Vec::new();
     for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
-        jobs.extend(readable::<Record>(id.value(), row.value()).map(|record| (record.id, record.tenant)));
+        jobs.extend(readable::<Record>(JOB, id.value(), row.value()).map(|record| (record.id, record.tenant)));
     }
     let bytes = counted(jobs.into_iter(), &listed);
     let mut table = txn.open_table(USAGE).map_err(storage)?;

@@ -4,9 +4,9 @@
 
 use std::collections::BTreeSet;
 
-use redb::{ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
+use redb::{ReadTransaction, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 
-use super::{JOB, parse, readable, storage};
+use super::{JOB, parse, readable, seal, storage};
 use crate::ledger::record::{Record, Work};
 use crate::reason::Refusal;
 
@@ -15,7 +15,7 @@ pub(super) const WORK: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("
 
 /// Stores the work of a job.
 pub(super) fn put(txn: &WriteTransaction, id: &str, work: &Work) -> Result<(), Refusal> {
-    let bytes = serde_json::to_vec(work).map_err(storage)?;
+    let bytes = seal::json(WORK.name(), id, work)?;
     txn.open_table(WORK).map_err(storage)?.insert(id, bytes.as_slice()).map_err(storage)?;
     Ok(())
 }
@@ -24,14 +24,14 @@ pub(super) fn put(txn: &WriteTransaction, id: &str, work: &Work) -> Result<(), R
 pub(super) fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Work>, Refusal> {
     let table = txn.open_table(WORK).map_err(storage)?;
     let row = table.get(id).map_err(storage)?;
-    row.map(|row| parse(id, row.value())).transpose()
+    row.map(|row| parse(WORK, id, row.value())).transpose()
 }
 
 /// The work of a job as a reader sees it.
 pub(super) fn read(txn: &ReadTransaction, id: &str) -> Result<Option<Work>, Refusal> {
     let table = txn.open_table(WORK).map_err(storage)?;
     let row = table.get(id).map_err(storage)?;
-    row.map(|row| parse(id, row.value())).transpose()
+    row.map(|row| parse(WORK, id, row.value())).transpose()
 }
 
 /// Bytes of the work of a job.
@@ -44,14 +44,14 @@ pub(super) fn bytes(txn: &WriteTransaction, id: &str) -> Result<u64, Refusal> {
 pub(super) fn remove(txn: &WriteTransaction, id: &str) -> Result<Option<Work>, Refusal> {
     let mut table = txn.open_table(WORK).map_err(storage)?;
     let row = table.remove(id).map_err(storage)?;
-    Ok(row.and_then(|row| readable(id, row.value())))
+    Ok(row.and_then(|row| readable(WORK, id, row.value())))
 }
 
 /// The work of a job wherever a ledger of any schema has it; `row` is the row of the job.
 pub(super) fn anywhere(txn: &WriteTransaction, id: &str, row: &[u8]) -> Result<Option<Work>, Refusal> {
     match txn.open_table(WORK).map_err(storage)?.get(id).map_err(storage)? {
-        Some(work) => Ok(readable(id, work.value())),
-        None => Ok(readable(id, row)),
+        Some(work) => Ok(readable(WORK, id, work.value())),
+        None => Ok(readable(JOB, id, row)),
     }
 }
 
@@ -79,10 +79,12 @@ pub(super) fn split_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     }
     for id in ids {
         let Some(row) = jobs.get(id.as_str()).map_err(storage)?.map(|row| row.value().to_vec()) else { continue };
-        let (Some(record), Some(work)) = (readable::<Record>(&id, &row), readable::<Work>(&id, &row)) else { continue };
+        let (Some(record), Some(work)) = (readable::<Record>(JOB, &id, &row), readable::<Work>(JOB, &id, &row)) else {
+            continue;
+        };
         put(txn, &id, &work)?;
         let (attended, stepped) = (work.options.attended, work.options.stepped);
-        let bytes = serde_json::to_vec(&Record { attended, stepped, ..record }).map_err(storage)?;
+        let bytes = seal::json(JOB.name(), &id, &Record { attended, stepped, ..record })?;
         jobs.insert(id.as_str(), bytes.as_slice()).map_err(storage)?;
     }
     Ok(())

@@ -15,6 +15,7 @@ use tokio::sync::{mpsc, watch};
 use super::file::{Frozen, LedgerFile};
 use super::pace::Paces;
 use super::storage;
+use crate::local::contained::contained;
 use crate::local::disk::Disk;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
@@ -50,13 +51,25 @@ impl Place {
     pub(super) fn open(&self) -> Result<Database, String> {
         let text = |error: &dyn std::fmt::Display| error.to_string();
         match self {
-            Self::Memory => Database::builder()
-                .create_with_backend(redb::backends::InMemoryBackend::new())
-                .map_err(|error| text(&error)),
+            Self::Memory => created(Database::builder(), redb::backends::InMemoryBackend::new()),
             Self::File(path, disk) => {
-                let file = LedgerFile::open(disk, path).map_err(|error| text(&error))?;
-                Database::builder().set_cache_size(CACHE).create_with_backend(file).map_err(|error| text(&error))
+                let mut builder = Database::builder();
+                builder.set_cache_size(CACHE);
+                created(builder, LedgerFile::open(disk, path).map_err(|error| text(&error))?)
             }
+        }
+    }
+
+    /// Whether all pages of the file have their checksums; what is wrong, if not. Nothing is written.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let mut database = self.try_frozen()?;
+        let whole = contained(|| database.check_integrity());
+        let _ = contained(|| drop(database));
+        match whole {
+            Ok(Ok(true)) => Ok(()),
+            Ok(Ok(false)) => Err("its pages do not agree".to_owned()),
+            Ok(Err(error)) => Err(error.to_string()),
+            Err(_) => Err(DAMAGED.to_owned()),
         }
     }
 
@@ -68,9 +81,44 @@ impl Place {
     /// Same, or why it cannot be read.
     pub(super) fn try_frozen(&self) -> Result<Database, String> {
         let Self::File(path, _) = self else { return Err("it is in memory".to_owned()) };
-        let file = Frozen::open(path).map_err(|error| error.to_string())?;
-        Database::builder().create_with_backend(file).map_err(|error| error.to_string())
+        created(Database::builder(), Frozen::open(path).map_err(|error| error.to_string())?)
     }
+}
+
+/// Place of the flags of the database in its file, and three of them: the second state is the current one; the file has
+/// not been closed; each commit was two.
+const FLAGS: u64 = 9;
+const SECOND: u8 = 1;
+const UNCLOSED: u8 = 2;
+const IN_TWO: u8 = 4;
+
+impl Place {
+    /// The durable states that the file may hold, to be read only: the last one as it is, the last one with the
+    /// database's own tables made anew, and the one before it.
+    pub(super) fn states(&self) -> Vec<Database> {
+        let Self::File(path, _) = self else { return Vec::new() };
+        let state = |change: fn(u8) -> u8| {
+            let (file, mut flags) = (Frozen::open(path).ok()?, [0]);
+            redb::StorageBackend::read(&file, FLAGS, &mut flags).ok()?;
+            redb::StorageBackend::write(&file, FLAGS, &flags.map(change)).ok()?;
+            created(Database::builder(), file).ok()
+        };
+        let states: [fn(u8) -> u8; 4] = [
+            |flags| flags,
+            |flags| flags | UNCLOSED,
+            |flags| (flags | UNCLOSED) & !IN_TWO,
+            |flags| ((flags | UNCLOSED) & !IN_TWO) ^ SECOND,
+        ];
+        states.into_iter().filter_map(state).collect()
+    }
+}
+
+/// Of a file whose damage makes the database panic.
+const DAMAGED: &str = "its pages are damaged";
+
+fn created(builder: redb::Builder, backend: impl redb::StorageBackend) -> Result<Database, String> {
+    let created = contained(|| builder.create_with_backend(backend)).map_err(|_| DAMAGED.to_owned())?;
+    created.map_err(|error| error.to_string())
 }
 
 /// Data that the writer shares with readers.
@@ -92,14 +140,16 @@ impl Shared {
     fn freeze(&self) {
         self.writable.send_replace(false);
         let mut database = self.database.write().unwrap_or_else(PoisonError::into_inner);
-        *database = None;
+        let before = database.take();
+        let _ = contained(|| drop(before));
         *database = self.place.frozen().map(Arc::new);
     }
 
     /// Opens the file again; readers wait that long.
     fn reopen(&self) -> bool {
         let mut database = self.database.write().unwrap_or_else(PoisonError::into_inner);
-        *database = None;
+        let before = database.take();
+        let _ = contained(|| drop(before));
         match self.place.open() {
             Ok(opened) => {
                 *database = Some(Arc::new(opened));
@@ -184,17 +234,31 @@ fn wait_for_the_disk(shared: &Shared, queue: &mut mpsc::Receiver<Operation>, pau
 
 /// Does a group; `false` when the database has failed.
 fn commit(database: &Database, group: Vec<Operation>) -> bool {
-    let txn = match database.begin_write() {
+    let failed = |error: &dyn std::fmt::Display| tracing::error!(%error, "the ledger cannot be written");
+    let begun = contained(|| database.begin_write()).and_then(|begun| begun.map_err(storage));
+    let txn = match begun {
         Ok(txn) => txn,
         Err(error) => {
-            tracing::error!(%error, "the ledger cannot be written");
+            failed(&error);
             return false; // Dropping the operations answers them.
         }
     };
-    let replies: Vec<Reply> = group.into_iter().map(|operation| (operation.work)(&txn)).collect();
-    let result = txn.commit().map_err(|error| storage(format!("the ledger cannot be written: {error}")));
+    let mut replies: Vec<Reply> = Vec::with_capacity(group.len());
+    for operation in group {
+        match contained(|| (operation.work)(&txn)) {
+            Ok(reply) => replies.push(reply),
+            Err(error) => {
+                failed(&error);
+                // Nothing of the group is kept: dropping the replies answers that.
+                let _ = contained(|| drop(txn));
+                return false;
+            }
+        }
+    }
+    let committed = contained(|| txn.commit()).and_then(|result| result.map_err(storage));
+    let result = committed.map_err(|error| storage(format!("the ledger cannot be written: {error}")));
     if let Err(error) = &result {
-        tracing::error!(%error, "the ledger cannot be written");
+        failed(error);
     }
     for reply in replies {
         reply(result.clone());

@@ -1,0 +1,24 @@
+//! A ledger that cannot be used beside jobs or blobs, and the ways out.
+
+use crate::local::store::Store;
+use crate::reason::Refusal;
+
+/// Refuses a missing or empty ledger beside jobs or blobs.
+pub(crate) fn not_lost(store: &Store) -> Result<(), Refusal> {
+    let length = std::fs::metadata(store.ledger()).map(|meta| meta.len()).ok();
+    if store.durable() && length.unwrap_or(0) == 0 && store.in_use() {
+        let what = if length.is_some() { "is empty" } else { "is missing" };
+        return Err(lost(store, &format!("{what} although there are jobs or blobs")));
+    }
+    Ok(())
+}
+
+/// A ledger that cannot be used, with the way out.
+pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
+    let root = store.root().display();
+    Refusal::DataLoss(format!(
+        "{} {what}: save all that is whole (counterpointd doctor --repair --data '{root}'), restore it from a backup, or \
+         set the folder aside and start with an empty one: mv '{root}' '{root}.lost'",
+        store.ledger().display()
+    ))
+}
