@@ -1,6 +1,8 @@
 //! Random programs for the Heidenhain pre-processor: for any text the run ends within its limits, and neither
 //! scheduling nor the lack of a log changes anything.
 
+use counterpoint_kernel::log::event::Kind;
+use counterpoint_kernel::log::summary::State;
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Work, cases, machine};
 use proptest::prelude::*;
@@ -287,6 +289,61 @@ proptest! {
             prop_assert_eq!(&one.events, &many.events);
             let (results, ..) = work(0).results(None).unwrap();
             prop_assert_eq!(one.summary, results.summary);
+        }
+    }
+}
+
+/// Statements that take no axis word, in both languages of the control, and the axes that they do take.
+const WITHOUT_AXES: &[(&str, &str)] = &[
+    ("CYCL DEF 9.0 DWELL\nCYCL DEF 9.1 DWELL 1", ""),
+    ("CYCL DEF 11.0 SCALING\nCYCL DEF 11.1 SCL0.5", ""),
+    ("CYCL DEF 13.0 ORIENTATION\nCYCL DEF 13.1 ANGLE 90", ""),
+    ("CYCL DEF 19.0 PLANE\nCYCL DEF 19.1", "ABC"),
+    ("CYCL DEF 32.0 TOLERANCE\nCYCL DEF 32.1 T0.05", ""),
+    ("TOOL CALL 2 Z S600", ""),
+    ("TOOL DEF 5", ""),
+    ("STOP", ""),
+    ("PLANE RESET STAY", ""),
+    ("FUNCTION RESET TCPM", ""),
+    ("G04 F1", ""),
+    ("G36 S90", ""),
+    ("G62 T0.05", ""),
+    ("G72 F0.5", ""),
+    ("G73 G90 H+30", ""),
+    ("G99 T5 L+0 R+5", ""),
+];
+
+#[test]
+fn statements_without_axes_refuse_axis_words() {
+    for (statement, takes) in WITHOUT_AXES {
+        let iso = statement.starts_with('G');
+        for axis in ["X", "Y", "Z", "A", "C"] {
+            let (head, moves, end) = if iso {
+                (
+                    "%T G71 *\nN10 G00 G40 G90 X+0 Y+0 *\nN20 G01 F500 X+1 *\n",
+                    "N40 G01 X+20 Y+10 *\n",
+                    "N9999 %T G71 *\n",
+                )
+            } else {
+                ("BEGIN PGM T MM\nL X+0 Y+0 R0 FMAX\nL X+1 F500\n", "L X+20 Y+10\n", "END PGM T MM\n")
+            };
+            let (number, close) = if iso { ("N30 ", " *") } else { ("", "") };
+            let text = format!("{head}{number}{statement} {axis}+5{close}\n{moves}{end}");
+            let work = Work::texts(machine("heidenhain-mill-5axis", ""), &[&text], Options::default());
+            let done = work.run(None).expect("a job");
+            let state = done.summary.state;
+            if takes.contains(axis) {
+                assert_eq!(state, State::Succeeded, "{text}{:?}", done.summary.diagnostics);
+                continue;
+            }
+            assert_eq!(state, State::Failed, "{text}");
+            let reached: Vec<u32> =
+                done.events.iter().filter(|e| matches!(e.kind, Kind::Motion(_))).map(|e| e.line).collect();
+            // The block itself moves nothing.
+            assert!(
+                reached.iter().all(|line| !(4..4 + statement.lines().count() as u32).contains(line)),
+                "{text}{reached:?}"
+            );
         }
     }
 }

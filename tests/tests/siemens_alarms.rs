@@ -25,6 +25,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("12010", MILL, "T1 T2"),
     ("12060", MILL, "G0 G1 X5 F100"),
     ("12080", MILL, "R1=5+"),
+    ("12080", MILL, "MCALL CYCLE81(5,0,1,-3) Y20"),
     ("12170", MILL, "DEF INT A\nDEF REAL A"),
     ("12290", MILL, "R99999=1"),
     ("12340", MILL, "%_N_MAIN_MPF\nSUB(1,2)\n%_N_SUB_SPF\nPROC SUB(REAL A)\nM17"),

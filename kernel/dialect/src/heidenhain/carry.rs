@@ -3,6 +3,7 @@
 //! Facts: see [`super::statement`]. Invariant: a block is either executed, left as words, or diagnosed.
 
 use super::eval::Evaluator;
+use super::foreign_axes::refuse_axes;
 use super::formula::Formula;
 use super::path::{Shape, Step, axis, walk};
 use super::statement::{Condition, Statement, Test};
@@ -184,6 +185,7 @@ impl Heidenhain {
     /// STOP.
     pub(super) fn stop(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        refuse_axes(host, "STOP", &seen)?;
         self.functions_of(&seen);
         Ok(Some(joined(if host.is_code_text("STOP") { "STOP" } else { "M0" }, &seen)))
     }

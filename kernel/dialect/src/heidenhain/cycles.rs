@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use super::contours::Contours;
 use super::eval::Evaluator;
+use super::foreign_axes::refuse_axes_of_cycle;
 use super::formula::{Kind, Name, Wrong, expected};
 use super::lex::Cursor;
 use super::old;
@@ -330,6 +331,7 @@ impl Heidenhain {
             self.define_old(*cycle, lines);
             return Ok(None);
         }
+        refuse_axes_of_cycle(host, *cycle, &seen)?;
         if let Some((_, name)) = VALUES.iter().find(|(of, _)| of == cycle) {
             named(&mut seen, name);
         }

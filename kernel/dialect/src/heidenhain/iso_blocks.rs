@@ -267,6 +267,10 @@ impl Heidenhain {
         place: Place,
     ) -> Result<Option<String>, Halt> {
         let increments = self.modes.increments;
+        let is_foreign = |word: &Word| has_value(word) && axis(&word.name).is_some();
+        if matches!(function, 4 | 36 | 51 | 62 | 72 | 73 | 99) && others.iter().any(is_foreign) {
+            return Err(self.not_understood(host));
+        }
         let of = |from: &str, to: &str| {
             others.iter().filter(|word| *word.name == *from).map(|word| renamed(word, to)).collect()
         };

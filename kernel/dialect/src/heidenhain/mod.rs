@@ -23,6 +23,7 @@ mod engraving;
 mod eval;
 mod feeds;
 mod flow;
+mod foreign_axes;
 mod formula;
 mod free;
 mod functions;

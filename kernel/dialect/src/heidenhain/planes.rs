@@ -10,6 +10,7 @@ use counterpoint_fault::Halt;
 
 use super::Heidenhain;
 use super::eval::Evaluator;
+use super::foreign_axes::refuse_axes;
 use super::formula::{Kind, Name};
 use super::path::{AXES, axis};
 use super::shifts::{SPACE, Shifts};
@@ -72,6 +73,9 @@ impl Heidenhain {
             seen.splice(at..at + 2, [Seen::made("MB", -1.0)]);
         }
         let resets = seen.iter().any(|word| word.is("RESET"));
+        if resets {
+            refuse_axes(host, "PLANE RESET", &seen)?;
+        }
         let taken = self.plane_begins(resets, seen.iter().any(|word| word.is("RELATIV")));
         Ok(Some(joined("", &seen) + &taken))
     }

@@ -11,6 +11,7 @@ use counterpoint_fault::Halt;
 
 use super::Heidenhain;
 use super::eval::{Asked, Evaluator};
+use super::foreign_axes::refuse_axes;
 use super::formula::Formula;
 use super::path::AXES;
 use super::tools::{LENGTH, RADIUS, is_indexed, row};
@@ -61,6 +62,7 @@ impl Heidenhain {
             None => None,
         };
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        refuse_axes(host, "TOOL CALL", &seen)?;
         self.feed_units(host, &mut seen)?;
         for word in &seen {
             if word.value.is_none()
@@ -134,6 +136,7 @@ impl Heidenhain {
     ) -> Result<Option<String>, Halt> {
         let Some(number) = self.tool(host, tool)? else { return Ok(None) };
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        refuse_axes(host, "TOOL DEF", &seen)?;
         let defined = number.parse::<f64>().ok();
         for (name, column) in [("L", LENGTH), ("R", RADIUS)] {
             let value = seen.iter().find(|word| word.is(name)).and_then(|word| word.value);

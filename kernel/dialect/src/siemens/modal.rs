@@ -8,6 +8,7 @@
 use super::calls::{Calling, PassedArgument};
 use super::line::Item;
 use super::run::Left;
+use super::syntax;
 use super::{Outcome, Siemens};
 use crate::host::{Call, Host};
 
@@ -46,6 +47,9 @@ impl Siemens {
             }
             let given = self.calling.take().map_or_else(Vec::new, |calling| calling.given);
             let (words, call, passes) = (left.words, left.call, left.passes);
+            if call.is_some() && !words.trim().is_empty() {
+                return syntax(format!("MCALL takes one call and no further words: {}", words.trim()));
+            }
             let level = host.level();
             self.modal = Some(Modal { words, call, passes, given, level });
         }

@@ -302,7 +302,7 @@ impl Kernel<'_> {
         if pass.count > 1 && !self.channel.at.caller.is_some() {
             let (_, first, last) = pass.key;
             format!(
-                "channel {}{colon} {reason}; it looped {} times over lines {first}-{last} of {name} without reaching a wait",
+                "channel {}{colon} {reason}; it looped {} times over lines {first}-{last} of {name}",
                 self.channel.at.channel, pass.count
             )
         } else {

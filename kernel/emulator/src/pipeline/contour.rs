@@ -22,6 +22,9 @@ use counterpoint_motion::contour::element::Element;
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
+/// Feed while blocks are only read: their times count for nothing, and no move looks too slow or too fast.
+const READING_FEED: f64 = 1000.0;
+
 impl Kernel<'_> {
     /// Executes a cycle along contour blocks.
     pub(crate) fn contour_cycle(&mut self, cycle: &ContourCycle) -> Acted {
@@ -195,7 +198,7 @@ impl Kernel<'_> {
         self.channel.state.others.turning.reading = own;
         // A feed per minute needs no spindle; moves are only recorded.
         self.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
-        self.channel.state.remembered.remember(data::FEED_UPM, 1.0);
+        self.channel.state.remembered.remember(data::FEED_UPM, READING_FEED);
         let done = blocks(self).and_then(|()| self.flush_lookahead());
         let done = done.map_err(|halt| self.end_compensation(halt));
 

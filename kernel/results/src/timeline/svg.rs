@@ -112,7 +112,9 @@ fn title(out: &mut String, timeline: &Timeline) {
     let mut programs: Vec<&str> =
         timeline.channels.iter().map(|c| c.program.as_str()).filter(|p| !p.is_empty()).collect();
     programs.dedup();
-    let mut total = format!("cycle time {}", time_text(timeline.makespan_ns, 1_000_000));
+    // A job that has not reached its end has no cycle time.
+    let until = if timeline.failed { "stopped after" } else { "cycle time" };
+    let mut total = format!("{until} {}", time_text(timeline.makespan_ns, 1_000_000));
     let waits = timeline.waits.iter().filter(|w| w.release_ns.is_some()).count();
     if waits > 0 {
         let _ = write!(total, ", {waits} sync point{}", if waits == 1 { "" } else { "s" });

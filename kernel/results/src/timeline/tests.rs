@@ -253,7 +253,7 @@ fn sixty_and_six_hundred_marks_can_be_read() {
 #[test]
 fn a_job_that_has_failed_says_so_in_its_title() {
     let svg = timeline(&lathe(&["x"]), &[life(1, 0, Phase::ProgramStart), life(1, S, Phase::Alarmed)]).svg();
-    assert!(svg.contains(">FAILED, cycle time 1.000 s</text>"), "{svg}");
+    assert!(svg.contains(">FAILED, stopped after 1.000 s</text>"), "{svg}");
 }
 
 #[test]
