@@ -29,7 +29,8 @@ pub struct Bar {
     /// Duration, ns.
     pub dur_ns: i64,
     /// File of its blocks in the user's programs; of joined bars that of the first one.
-    pub file: Arc<str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<Arc<str>>,
     /// Line of its first block in that file.
     pub line: u32,
     /// Line of its last block in that file.
@@ -71,8 +72,18 @@ impl Bar {
     /// Work at one place; the name of its file comes last ([`Bars::finish`]).
     fn new(kind: Work, (t_ns, dur_ns): (i64, i64), place: SourcePlace) -> Self {
         let SourcePlace { file: file_id, line } = place;
-        let file = Arc::default();
-        Self { kind, t_ns, dur_ns, file, line, end_line: line, label: None, carried: None, own_ns: dur_ns, file_id }
+        Self {
+            kind,
+            t_ns,
+            dur_ns,
+            file: None,
+            line,
+            end_line: line,
+            label: None,
+            carried: None,
+            own_ns: dur_ns,
+            file_id,
+        }
     }
 
     fn absorb(&mut self, next: &mut Self) {
@@ -154,7 +165,7 @@ impl Bars {
         let mut names: FxHashMap<FileId, Arc<str>> = FxHashMap::default();
         for bar in self.bars.iter_mut().filter(|bar| bar.line != 0) {
             let name = names.entry(bar.file_id).or_insert_with(|| info.file_name(bar.file_id).into());
-            bar.file = Arc::clone(name);
+            bar.file = Some(Arc::clone(name));
         }
         while let Some(last) = self.bars.last_mut()
             && last.end_ns() > end_ns

@@ -62,7 +62,7 @@ struct Run {
     t_ns: i64,
     end_ns: i64,
     /// File of the first block, and the lines in that file.
-    file: Arc<str>,
+    file: Option<Arc<str>>,
     lines: (u32, u32),
     label: Option<String>,
     /// The axis that another channel moved meanwhile.
@@ -104,7 +104,7 @@ fn run(kind: Work, bars: &[&Bar]) -> Run {
         kind,
         t_ns: first.map_or(0, |b| b.t_ns),
         end_ns: last.map_or(0, |b| b.end_ns()),
-        file: first.map_or_else(Arc::default, |b| Arc::clone(&b.file)),
+        file: first.and_then(|bar| bar.file.clone()),
         lines: first.map_or((0, 0), |b| (b.line, ending.map_or(b.end_line, |last| last.end_line))),
         label: first.filter(|_| bars.len() == 1).and_then(|b| b.label.as_deref()).map(str::to_owned),
         carried: first
@@ -136,8 +136,8 @@ fn single(out: &mut String, run: &Run, channel: &Channel, top: f64, scale: &Scal
     }
     let _ = write!(hint, ", {}, ", time_text(run.end_ns - run.t_ns, 1_000_000));
     let own = channel.program.split('#').next().unwrap_or_default();
-    if *run.file != *own && !run.file.is_empty() {
-        let _ = write!(hint, "{} ", run.file);
+    if let Some(file) = run.file.as_deref().filter(|file| *file != own) {
+        let _ = write!(hint, "{file} ");
     }
     let _ = match run.lines {
         (first, last) if first == last => write!(hint, "line {first}"),
