@@ -84,7 +84,13 @@ impl Runner for Script {
             lower: false,
             axes: vec![axis("X"), axis("Z")],
         };
-        let file = File { name: program.file.clone(), stored: false, text: Default::default(), sections: Vec::new() };
+        let file = File {
+            name: program.file.clone(),
+            stored: false,
+            resident: false,
+            text: Default::default(),
+            sections: Vec::new(),
+        };
         let text = Text::new(bytes, || false);
         file.text.set(Some(Arc::new(text))).unwrap();
         let info = Arc::new(Info {
