@@ -135,7 +135,12 @@ fn make_empty(folder: &Path) -> Result<(), String> {
     let shown = folder.display();
     fs::create_dir_all(folder).map_err(|error| format!("'{shown}' cannot be created: {error}"))?;
     match fs::read_dir(folder).map(|mut entries| entries.next().is_none()) {
-        Ok(true) => Ok(()),
+        Ok(true) => tempfile::tempfile_in(folder).map(drop).map_err(|error| {
+            let error = io::Error::from(error.kind());
+            format!(
+                "'{shown}' cannot be written: {error}: choose another folder, or make this one writable for the user"
+            )
+        }),
         Ok(false) => Err(format!("'{shown}' is not empty: choose a new folder")),
         Err(error) => Err(format!("'{shown}' cannot be read: {error}")),
     }

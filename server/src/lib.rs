@@ -8,6 +8,7 @@
 pub mod access;
 pub mod backup;
 mod blobs;
+mod clock;
 mod connections;
 mod cpu;
 pub mod doctor;

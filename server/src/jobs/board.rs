@@ -16,6 +16,7 @@ use super::live::{Live, lock};
 use super::recent::Recent;
 use super::tally::Tally;
 use super::{Core, worker};
+use crate::clock::Clock;
 use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::memory::Memory;
 use crate::queue::{Entry, Queue, Ticket};
@@ -49,6 +50,8 @@ pub(super) struct Board {
     /// Jobs on worker threads.
     running: watch::Sender<usize>,
     pub(super) tally: Tally,
+    /// The time by which jobs end.
+    pub(super) clock: Clock,
     /// When the jobs were last looked after.
     ticked: Mutex<Instant>,
 }
@@ -61,7 +64,7 @@ pub(crate) struct Busy {
 }
 
 impl Board {
-    pub(super) fn new(queue: Box<dyn Queue>, epoch: u64, memory_bytes: u64) -> Self {
+    pub(super) fn new(queue: Box<dyn Queue>, clock: Clock, epoch: u64, memory_bytes: u64) -> Self {
         Self {
             live: DashMap::new(),
             queue: Mutex::new(Waiting { jobs: queue, reserved: HashMap::new(), suspended: BTreeMap::new() }),
@@ -71,6 +74,7 @@ impl Board {
             memory: Memory::new(memory_bytes),
             running: watch::Sender::new(0),
             tally: Tally::default(),
+            clock,
             ticked: Mutex::new(Instant::now()),
         }
     }
@@ -340,7 +344,9 @@ impl Core {
 
     /// Ends a job that has been withdrawn, because its deadline is over.
     fn end_late(self: &Arc<Self>, live: &Arc<Live>, deadline: i64) {
-        let mut ended = Record { state: State::Failed, ended_ms: now_ms(), paused: false, ..live.record() };
+        let record = live.record();
+        let ended_ms = self.board.clock.end_of(&record);
+        let mut ended = Record { state: State::Failed, ended_ms, paused: false, ..record };
         ended.runs.limit = late(deadline);
         (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(Reached::Deadline));
         ended.error.clone_from(&ended.runs.limit);

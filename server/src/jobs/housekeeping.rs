@@ -6,7 +6,6 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Core;
-use crate::ledger::record::now_ms;
 use crate::ledger::{Keep, Kept};
 use crate::options::Tenant;
 use crate::reason::Refusal;
@@ -15,6 +14,8 @@ use crate::reason::Refusal;
 const TICK: Duration = Duration::from_secs(1);
 /// Longest time between two collections of blobs.
 const LONGEST: Duration = Duration::from_secs(600);
+/// Time after which the clock is stored again, ms.
+const STORE_CLOCK_MS: i64 = 60_000;
 /// Most jobs that are removed in one step.
 const GROUP: usize = 256;
 
@@ -41,9 +42,14 @@ pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
     let core = Arc::downgrade(core);
     let work = move || {
         let mut next = Instant::now();
+        let mut stored_ms = core.upgrade().map_or(0, |core| core.board.clock.now_ms());
         while let Some(core) = core.upgrade() {
             core.ledger.serve_backups();
             note("ended jobs beyond what is to be kept", remove_expired(&core, &keep(&core)));
+            let now_ms = core.board.clock.now_ms();
+            if now_ms >= stored_ms.saturating_add(STORE_CLOCK_MS) && core.ledger.keep_highest(now_ms).is_ok() {
+                stored_ms = now_ms;
+            }
             if next <= Instant::now() {
                 note("blobs that nothing needs", collect_blobs(&core, grace));
                 next = Instant::now() + (grace / 10).clamp(TICK, LONGEST);
@@ -93,7 +99,7 @@ fn remove_expired(core: &Core, keep: &Keep) -> Result<u64, Refusal> {
         return Ok(removed);
     }
     loop {
-        let mut jobs = core.ledger.expired(keep, now_ms(), GROUP)?;
+        let mut jobs = core.ledger.expired(keep, core.board.clock.now_ms(), GROUP)?;
         let all = jobs.len();
         // A watched job is removed the next time.
         jobs.retain(|job| !core.watched(&job.id));

@@ -31,10 +31,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::blobs::Blobs;
+use crate::clock::Clock;
 use crate::connections::Connections;
 use crate::drain::Drain;
 use crate::host::Host;
-use crate::ledger::record::{Record, State, Work, now_ms};
+use crate::ledger::record::{Record, State, Work};
 use crate::ledger::{Ledger, Submitted, recovered};
 use crate::log::Logs;
 use crate::log::kept::Kept;
@@ -112,7 +113,7 @@ impl Core {
         let core = Arc::new(Self {
             flusher: Flusher::start()?,
             ends: Ends::start(spans)?,
-            board: Board::new(queue, ledger.epoch(), options.maxima.memory_bytes),
+            board: Board::new(queue, Clock::from(ledger.highest_ms()), ledger.epoch(), options.maxima.memory_bytes),
             ledger,
             machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
             host,
@@ -148,7 +149,8 @@ impl Core {
         }
         for record in unfinished {
             let before = record.state;
-            let record = recovered(record, alone, self.options.attempts);
+            let end = self.board.clock.end_of(&record);
+            let record = recovered(record, alone, self.options.attempts, end);
             if before == State::Running {
                 tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
             }
@@ -356,7 +358,8 @@ impl Core {
 
     /// Ends a job that was withdrawn, because it was cancelled.
     async fn end_cancelled(&self, live: &Live, record: Record) -> Result<Record, Refusal> {
-        let ended = Record { state: State::Cancelled, ended_ms: now_ms(), paused: false, ..record };
+        let ended_ms = self.board.clock.end_of(&record);
+        let ended = Record { state: State::Cancelled, ended_ms, paused: false, ..record };
         self.ledger.update(ended.clone()).await?;
         live.change(|record| record.clone_from(&ended));
         self.ended(&ended);

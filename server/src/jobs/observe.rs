@@ -4,6 +4,8 @@
 
 use std::collections::BTreeMap;
 
+use counterpoint_kernel::job::STACK;
+
 use super::Core;
 use crate::ledger::day;
 use crate::ledger::record::{Priority, State, now_ms};
@@ -71,6 +73,13 @@ impl Core {
         if !*self.ledger.writable().borrow() {
             return Some("the ledger cannot be written".to_owned());
         }
-        self.room().err().map(|refusal| refusal.to_string())
+        if let Err(refusal) = self.room() {
+            return Some(refusal.to_string());
+        }
+        let kernel = std::thread::Builder::new().name("probe".to_owned()).stack_size(STACK).spawn(|| ());
+        match kernel.map(std::thread::JoinHandle::join) {
+            Ok(_) => None,
+            Err(error) => Some(format!("no thread for a kernel can be started ({error}): is there a limit of memory?")),
+        }
     }
 }

@@ -171,7 +171,7 @@ fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>, u
     record.runs.suspect = false;
     if record.state.ended() {
         record.paused = false;
-        record.ended_ms = now_ms();
+        record.ended_ms = core.board.clock.end_of(&record);
     }
     core.leave(live);
     End::new(core, live, record, log).keep();

@@ -230,6 +230,12 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// The use of a tenant.
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal>;
 
+    /// The highest time that the clock had shown when the ledger was opened, ms since 1970, as far as is known.
+    fn highest_ms(&self) -> i64;
+
+    /// Stores the highest time that the clock has shown, from a thread that may block.
+    fn keep_highest(&self, ms: i64) -> Result<(), Refusal>;
+
     /// Number of this opening of the ledger: each is larger than the one before.
     fn epoch(&self) -> u64;
 
@@ -260,18 +266,18 @@ pub(crate) trait Ledger: Send + Sync + Debug {
 }
 
 /// State to which a job returns when the server starts. `alone`: no other job was running when the previous server
-/// ended, so the job may have ended it.
-pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32) -> Record {
+/// ended, so the job may have ended it. A job that has ended with it has the time `end_ms`.
+pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32, end_ms: i64) -> Record {
     let suspect = record.state == State::Running;
     if suspect && alone {
         record.runs.crashes += 1;
     }
     if record.cancel {
         record.state = State::Cancelled;
-        record.ended_ms = record::now_ms();
+        record.ended_ms = end_ms;
     } else if suspect && alone && record.runs.crashes >= attempts.max(1) {
         record.state = State::Failed;
-        record.ended_ms = record::now_ms();
+        record.ended_ms = end_ms;
         record.runs.cause = Some(record::Cause::Host);
         record.error = format!("poison: the server died {} times while this job ran alone", record.runs.crashes);
     } else {

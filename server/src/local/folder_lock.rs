@@ -9,40 +9,59 @@ use std::path::Path;
 
 /// The lock of a data folder.
 #[derive(Debug)]
-pub(crate) struct FolderLock(File);
+pub(crate) struct FolderLock(Option<File>);
 
 impl FolderLock {
     /// Takes the lock and leaves the process id of its holder in the file.
     pub(crate) fn take(folder: &Path) -> io::Result<Self> {
-        let mut file = File::options().read(true).write(true).create(true).truncate(false).open(folder.join("lock"))?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::Error(error)) => return Err(error),
-            Err(TryLockError::WouldBlock) => {
-                let mut holder = String::new();
-                let _ = (&file).take(32).read_to_string(&mut holder);
-                let holder = match holder.trim() {
-                    "" => "another process".to_owned(),
-                    id => format!("process {id}"),
-                };
-                let text =
-                    format!("it is in use by {holder}; stop that server first or choose another folder (--data)");
-                return Err(io::Error::new(io::ErrorKind::ResourceBusy, text));
-            }
-        }
+        let file = File::options().read(true).write(true).create(true).truncate(false).open(folder.join("lock"))?;
+        let mut file = locked(file)?;
         // The process id serves people only: a full disk does not keep the server from starting.
         let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| writeln!(file, "{}", std::process::id()));
-        Ok(Self(file))
+        Ok(Self(Some(file)))
+    }
+
+    /// Takes the lock of a folder that is only read. One that cannot be written needs none without a lock file.
+    pub(crate) fn of_a_reader(folder: &Path) -> io::Result<Self> {
+        match Self::take(folder) {
+            Err(error) if cannot_be_written(&error) => match File::open(folder.join("lock")) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Self(None)),
+                file => locked(file?).map(|file| Self(Some(file))),
+            },
+            other => other,
+        }
     }
 
     /// Releases the folder although this lock may still be held.
     pub(crate) fn release(&self) {
-        let _ = self.0.unlock();
+        let _ = self.0.as_ref().map(File::unlock);
     }
 }
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
         self.release();
+    }
+}
+
+/// Whether an error says that a place is only to be read.
+pub(crate) fn cannot_be_written(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem)
+}
+
+fn locked(file: File) -> io::Result<File> {
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::Error(error)) => Err(error),
+        Err(TryLockError::WouldBlock) => {
+            let mut holder = String::new();
+            let _ = (&file).take(32).read_to_string(&mut holder);
+            let holder = match holder.trim() {
+                "" => "another process".to_owned(),
+                id => format!("process {id}"),
+            };
+            let text = format!("it is in use by {holder}; stop that server first or choose another folder (--data)");
+            Err(io::Error::new(io::ErrorKind::ResourceBusy, text))
+        }
     }
 }

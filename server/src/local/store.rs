@@ -88,7 +88,7 @@ impl Store {
         if !root.is_dir() {
             return Err(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"));
         }
-        let lock = Arc::new(FolderLock::take(&root)?);
+        let lock = Arc::new(FolderLock::of_a_reader(&root)?);
         Ok(Self {
             marks: Arc::new(Marks::of(&root.join("marks"), Disk::default())?),
             root,

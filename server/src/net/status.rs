@@ -61,8 +61,8 @@ where
 
 async fn answer(core: Option<Arc<Core>>, request: Request<Incoming>) -> Response<Body> {
     let text = |status: StatusCode, text: &str| response(status, "text/plain; charset=utf-8", text.to_owned());
-    if request.method() != Method::GET {
-        return text(StatusCode::METHOD_NOT_ALLOWED, "only GET is answered\n");
+    if !matches!(*request.method(), Method::GET | Method::HEAD) {
+        return text(StatusCode::METHOD_NOT_ALLOWED, "only GET and HEAD are answered\n");
     }
     let Some(core) = core else { return text(StatusCode::SERVICE_UNAVAILABLE, "the server has stopped\n") };
     match request.uri().path() {

@@ -34,6 +34,8 @@ mod guard;
 mod guarded;
 mod gzip;
 #[cfg(target_os = "linux")]
+mod host;
+#[cfg(target_os = "linux")]
 mod hostile;
 #[cfg(target_os = "linux")]
 mod killed;

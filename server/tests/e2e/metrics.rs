@@ -89,6 +89,9 @@ async fn a_server_is_live_and_ready_while_it_takes_jobs() {
     let server = Server::start_on(seen(folder.path()), Disk::faulty(full.clone())).await;
     assert_eq!(get(&server, "GET", "/livez").await, (200, "ok\n".into()));
     assert_eq!(get(&server, "GET", "/readyz").await, (200, "ok\n".into()));
+    for path in ["/livez", "/readyz", "/metrics"] {
+        assert_eq!(get(&server, "HEAD", path).await, (200, String::new()), "{path}");
+    }
     full.0.store(true, Ordering::SeqCst);
     assert_eq!(get(&server, "GET", "/livez").await.0, 200);
     let (status, reason) = get(&server, "GET", "/readyz").await;

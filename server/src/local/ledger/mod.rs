@@ -56,6 +56,7 @@ pub(crate) struct LocalLedger {
     store: Store,
     shared: Arc<Shared>,
     epoch: u64,
+    highest_ms: i64,
     operations: RwLock<Option<mpsc::Sender<Operation>>>,
     writer: Mutex<Option<JoinHandle<()>>>,
 }
@@ -116,7 +117,7 @@ impl LocalLedger {
             other => other,
         })?;
         schema::seal_files(&txn, store)?;
-        let epoch = schema::next_epoch(&txn)?;
+        let (epoch, highest_ms) = (schema::next_epoch(&txn)?, schema::highest(&txn)?);
         txn.commit().map_err(storage)?;
         if let Some(before) = before.filter(|before| *before < schema::SCHEMA) {
             tracing::info!(before, now = schema::SCHEMA, "the ledger has been brought to the schema of this version");
@@ -130,6 +131,7 @@ impl LocalLedger {
             store: store.clone(),
             shared,
             epoch,
+            highest_ms,
             operations: RwLock::new(Some(operations)),
             writer: Mutex::new(Some(writer)),
         })
@@ -356,6 +358,14 @@ impl Ledger for LocalLedger {
 
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal> {
         self.read(|txn| Ok(Usage { machines: machine_bytes::of(txn, tenant)?, ..usage::of(txn, tenant)? }))
+    }
+
+    fn highest_ms(&self) -> i64 {
+        self.highest_ms
+    }
+
+    fn keep_highest(&self, ms: i64) -> Result<(), Refusal> {
+        self.write_blocking(move |txn| schema::keep_highest(txn, ms))
     }
 
     fn epoch(&self) -> u64 {

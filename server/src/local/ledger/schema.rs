@@ -118,6 +118,21 @@ pub(super) fn seal_files(txn: &WriteTransaction, store: &Store) -> Result<(), Re
     Ok(())
 }
 
+/// Stores the highest time that the clock has shown.
+pub(super) fn keep_highest(txn: &WriteTransaction, ms: i64) -> Result<(), Refusal> {
+    let ms = u64::try_from(ms).unwrap_or(0);
+    txn.open_table(META).map_err(storage)?.insert("clock_ms", ms).map_err(storage)?;
+    Ok(())
+}
+
+/// The highest time that the clock has shown: as it was stored, or the end of the last job.
+pub(super) fn highest(txn: &WriteTransaction) -> Result<i64, Refusal> {
+    let stored = txn.open_table(META).map_err(storage)?.get("clock_ms").map_err(storage)?.map_or(0, |row| row.value());
+    let ended = txn.open_table(retention::ENDED).map_err(storage)?;
+    let last = ended.last().map_err(storage)?.map_or(0, |(key, _)| key.value().0);
+    Ok(i64::try_from(stored).unwrap_or(0).max(last))
+}
+
 /// The number of this opening.
 pub(super) fn next_epoch(txn: &WriteTransaction) -> Result<u64, Refusal> {
     let mut table = txn.open_table(META).map_err(storage)?;

@@ -1,0 +1,140 @@
+//! Troubles of the host that are not the disk's: clocks, folders that cannot be written, threads that do not start.
+
+use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::process::CommandExt as _;
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use counterpoint_proto::v1;
+use counterpoint_server::options::{Options, Retention};
+use redb::{ReadableDatabase as _, TableDefinition};
+use rustix::process::{Pid, Resource, Rlimit, getuid, prlimit};
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::TcpStream;
+
+use crate::descriptors::Process;
+use crate::support::*;
+
+const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
+const HOUR_MS: u64 = 3_600_000;
+
+fn now_ms() -> u64 {
+    u64::try_from(SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_millis()).unwrap()
+}
+
+/// The clock was an hour ahead when an earlier server ran, and has been set back.
+#[tokio::test]
+async fn after_a_clock_that_was_set_back_jobs_end_later_and_grow_old_by_the_highest_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let retention = Retention { keep_s: 1800, ..Retention::default() };
+    let options = Options { retention, ..options(folder.path()) };
+    let server = Server::start(options.clone()).await;
+    let old = server.submit("old", "EVENTS 1").await;
+    server.wait(&old).await;
+    server.stop().await;
+    let ahead = now_ms() + HOUR_MS;
+    let clock = |set: Option<u64>| {
+        let database = redb::Database::open(folder.path().join("ledger.redb")).unwrap();
+        if let Some(ms) = set {
+            let txn = database.begin_write().unwrap();
+            txn.open_table(META).unwrap().insert("clock_ms", ms).unwrap();
+            txn.commit().unwrap();
+        }
+        database.begin_read().unwrap().open_table(META).unwrap().get("clock_ms").unwrap().map(|row| row.value())
+    };
+    clock(Some(ahead));
+    let server = Server::start(options.clone()).await;
+    let new = server.submit("new", "EVENTS 1").await;
+    let status = server.wait(&new).await;
+    assert!(status.ended_ms >= i64::try_from(ahead).unwrap() && status.ended_ms >= status.submitted_ms, "{status:?}");
+    let gone = async {
+        let ask = || v1::GetJobRequest { job_id: old.clone() };
+        while server.jobs().get_job(ask()).await.is_ok() {
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    };
+    tokio::time::timeout(Duration::from_secs(20), gone).await.expect("it is an hour old by the highest time");
+    server.stop().await;
+    assert_eq!(clock(None), Some(ahead), "the highest time stays stored");
+    let server = Server::start(options).await;
+    assert_eq!(server.status(&new).await.ended_ms, status.ended_ms, "the new job is young");
+    server.stop().await;
+}
+
+/// The command as a user that cannot write the folder.
+fn as_reader(arguments: &[&str], folder: &Path) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    if getuid().is_root() {
+        command.uid(65_534).gid(65_534);
+    }
+    let output = command.args(arguments).arg("--data").arg(folder).output().unwrap();
+    (output.status.code(), String::from_utf8([output.stdout, output.stderr].concat()).unwrap())
+}
+
+/// Sets the modes of a folder and all that is in it.
+fn modes(folder: &Path, of_folders: u32, of_files: u32) {
+    std::fs::set_permissions(folder, std::fs::Permissions::from_mode(0o700)).unwrap();
+    for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        match entry.is_dir() {
+            true => modes(&entry, of_folders, of_files),
+            false => std::fs::set_permissions(&entry, std::fs::Permissions::from_mode(of_files)).unwrap(),
+        }
+    }
+    std::fs::set_permissions(folder, std::fs::Permissions::from_mode(of_folders)).unwrap();
+}
+
+#[tokio::test]
+async fn a_folder_that_cannot_be_written_is_examined_and_restore_and_start_say_so() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::set_permissions(folder.path(), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let (data, empty) = (folder.path().join("data"), folder.path().join("empty"));
+    let server = Server::start(options(&data)).await;
+    for (name, script) in [("small", "EVENTS 3"), ("large", "EVENTS 3000\nWRITE a.txt")] {
+        let job = server.submit(name, script).await;
+        server.wait(&job).await;
+    }
+    server.stop().await;
+    std::fs::create_dir(&empty).unwrap();
+    for with_lock in [true, false] {
+        modes(&data, 0o555, 0o444);
+        modes(&empty, 0o555, 0o444);
+        let examined = as_reader(&["doctor"], &data);
+        let restored = as_reader(&["restore", data.to_str().unwrap()], &empty);
+        let started = as_reader(&["--listen", "127.0.0.1:0"], &data);
+        modes(&data, 0o755, 0o644);
+        modes(&empty, 0o755, 0o644);
+        assert!(examined.0 == Some(0) && examined.1.contains("0 damaged"), "{with_lock}: {examined:?}");
+        assert!(restored.0 == Some(3) && restored.1.contains("cannot be written"), "{with_lock}: {restored:?}");
+        assert!(started.0 == Some(3) && started.1.contains("data folder"), "{with_lock}: {started:?}");
+        let _ = std::fs::remove_file(data.join("lock"));
+    }
+}
+
+/// Asks for `/readyz`.
+async fn ready(address: &str) -> String {
+    let mut stream = TcpStream::connect(address).await.unwrap();
+    stream.write_all(b"GET /readyz HTTP/1.1\r\nhost: x\r\nconnection: close\r\n\r\n").await.unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).await.unwrap();
+    answer
+}
+
+#[tokio::test]
+async fn a_server_whose_kernels_cannot_start_is_not_ready_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
+    let process = Process::start_with(folder.path(), &["--metrics", &port]);
+    assert!(ready(&port).await.contains("200 OK"));
+    let id = process.child.id();
+    let pid = Pid::from_raw(i32::try_from(id).unwrap());
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).unwrap();
+    let size = status.lines().find_map(|line| line.strip_prefix("VmSize:")).unwrap();
+    let used: u64 = size.trim().trim_end_matches(" kB").parse().unwrap();
+    let limit = |current| Rlimit { current, maximum: None };
+    prlimit(pid, Resource::As, limit(Some(used * 1024 + (1 << 20)))).unwrap();
+    let answer = ready(&port).await;
+    assert!(answer.contains("503") && answer.contains("no thread for a kernel can be started"), "{answer}");
+    prlimit(pid, Resource::As, limit(None)).unwrap();
+    assert!(ready(&port).await.contains("200 OK"));
+}
