@@ -147,6 +147,27 @@ fn siemens_programs_are_followed() {
     assert_eq!((missing.state, found(&missing)), (State::Failed, vec![(TARGET, 1, 1)]));
 }
 
+/// A cycle that is stored with the machine is not entered if it meets no channel, neither when a block calls it nor when
+/// blocks that move do.
+#[test]
+fn cycles_of_the_machine_are_passed() {
+    let one = |machine: &str, program: &str| judged(machine, &[program]);
+    clean(&one(
+        "siemens-lathe",
+        "G18 DIAMON\nT1 D1\nCYCLE97(2,,0,-30,20,20,5,2,1.3,0.05,30,0,5,1,3,1)\nCYCLE95(\"CONT\",2,0.1,0.2,,0.2,0.1,0.1,1)\nM30\n\
+         CONT:\n",
+    ));
+    clean(&one(
+        "siemens-mill",
+        "T1 M6\nMCALL CYCLE81(10,0,2,-5)\nHOLES2(0,0,20,0,60,6)\nMCALL\nX10 Y10\nMCALL CYCLE83(10,0,2,-20)\nX5\nMCALL\nM30\n",
+    ));
+    let both = |one: &str, two: &str| judged("siemens-2ch-millturn", &[one, two]);
+    let waits = both("MCALL MEET\nX1\nMCALL\nM30\n%_N_MEET_SPF\nWAITM(1,1,2)\nM17\n", "WAITM(1,1,2)\nM30\n");
+    assert_eq!(found(&waits), [(ENDS_EARLY, 1, 1)]);
+    let missing = both("MCALL NOWHERE\nX1\nM30\n", "M30\n");
+    assert_eq!(found(&missing), [(ENDS_EARLY, 1, 1)]);
+}
+
 #[test]
 fn okuma_citizen_and_isg_programs_are_followed() {
     let okuma = |one: &str, two: &str| judged("okuma-2saddle-lathe", &[one, two]);

@@ -46,6 +46,8 @@ pub enum Step {
     Return,
     /// The rest of the block, which depends on a condition.
     If(Vec<Step>),
+    /// Steps of each following block that moves.
+    Modal(Vec<Step>),
     /// The program raises an alarm of its own.
     Alarm,
     /// It may do anything, for this reason.

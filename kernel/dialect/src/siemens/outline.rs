@@ -76,6 +76,14 @@ impl Outlines {
                 }
                 break;
             }
+            if matches!(item, Item::Modal) {
+                let rest = Line { items: line.items.get(at + 1..).unwrap_or_default().to_vec(), ..Line::default() };
+                // Alone it ends the calls.
+                if !rest.items.is_empty() {
+                    steps.push(Step::Modal(self.line(programs, &rest)));
+                }
+                break;
+            }
             self.item(programs, item, passes, &mut steps);
         }
         steps
@@ -119,7 +127,6 @@ impl Outlines {
                 _ => steps.push(Step::Hidden("the name of the program that is called is computed".to_owned())),
             },
             Item::CallText { .. } => steps.push(Step::Hidden("a part of a program is called".to_owned())),
-            Item::Modal => steps.push(Step::Hidden("blocks that move call a program (MCALL)".to_owned())),
             Item::Return(_, false) => steps.push(Step::Return),
             Item::Return(_, true) => steps.push(Step::Hidden("the return goes to another block".to_owned())),
             Item::Define(name, _) => steps.push(Step::Hidden(format!("DEFINE gives {name} another meaning"))),
@@ -149,6 +156,7 @@ impl Outlines {
                 steps.push(Step::Hidden("a synchronised action does something for other channels".to_owned()));
             }
             Item::Synchronised(_)
+            | Item::Modal
             | Item::Passes(..)
             | Item::External(_)
             | Item::Message(_)

@@ -172,7 +172,7 @@ impl Walk<'_, '_> {
                     Found::Nothing
                 }
                 Step::Return => Found::Ends,
-                Step::If(steps) => self.found_among(steps)?,
+                Step::If(steps) | Step::Modal(steps) => self.found_among(steps)?,
                 Step::Jump(Goal::Computed) | Step::Branch(Goal::Computed) => Found::Meets,
                 Step::Signal(_) | Step::Hidden(_) | Step::Mistake(_) => Found::Meets,
             };

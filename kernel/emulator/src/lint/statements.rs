@@ -7,8 +7,10 @@ use std::sync::Arc;
 
 use counterpoint_dialect::outline::{Argument, Called, Deed, Goal, Named, Signalled, Step};
 use counterpoint_dialect::{Call, Coordination, Operands};
+use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
+use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::spot::Spot;
 
 use super::Walk;
@@ -71,6 +73,18 @@ impl Walk<'_, '_> {
                 true => Err(self.lost("the rest of the block depends on a condition")),
                 false => Ok(()),
             },
+            Step::Modal(steps) => {
+                let is_known = |step: &Step| {
+                    matches!(
+                        step,
+                        Step::Named(Named { program: Some(_), .. }) | Step::Call(Called { place: Some(_), .. })
+                    )
+                };
+                match steps.iter().all(is_known) && !self.meets_among(&steps)? {
+                    true => Ok(()),
+                    false => Err(self.lost("blocks that move call a program that waits or is not known")),
+                }
+            }
             Step::Alarm => Err(self.lost("the program raises an alarm of its own")),
             Step::Hidden(reason) => Err(self.lost(&reason)),
             Step::Mistake(text) => {
@@ -213,6 +227,12 @@ impl Walk<'_, '_> {
         }
     }
 
+    /// Whether a file is stored with the machine.
+    fn is_stored(&self, file: FileId) -> bool {
+        let files = &self.kernel.channel.env.info.files;
+        files.get(usize::from(file)).is_some_and(|file| file.name.starts_with(StoredFile::ROOT))
+    }
+
     fn call(&mut self, called: Called) -> Acted {
         self.check_calls()?;
         let Called { name, place, passes } = called;
@@ -226,6 +246,10 @@ impl Walk<'_, '_> {
                 Some(_) => Err(self.lost(&format!("how often {name} runs is computed"))),
             };
         };
+        // Cycles of the machine are not the user's to correct.
+        if self.is_stored(file) && self.meets_in_program(file, range)?.is_none() {
+            return Ok(());
+        }
         if passes > 0 {
             let call = Call { name: Arc::from(name), place, passes, closes: true };
             self.kernel.ask(Pending::CallText(Box::new(call)));

@@ -63,7 +63,7 @@ impl Walk<'_, '_> {
                     self.report_unknown(Certain { calls, computed });
                     self.kernel.channel.text.edited = read;
                 }
-                Step::If(steps) => self.report_unknown_among(steps),
+                Step::If(steps) | Step::Modal(steps) => self.report_unknown_among(steps),
                 _ => {}
             }
         }
