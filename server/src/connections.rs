@@ -63,6 +63,11 @@ impl Connections {
         Connection { all: self.clone(), counts }
     }
 
+    /// How many are open.
+    pub(crate) fn count(&self) -> usize {
+        self.open.len()
+    }
+
     /// All of them, oldest first.
     pub(crate) fn seen(&self) -> Vec<Seen> {
         let seen = |counts: &Counts| Seen {

@@ -26,6 +26,7 @@ pub mod notify;
 pub mod options;
 mod pace;
 mod places;
+mod process;
 mod queue;
 pub mod reason;
 mod results;

@@ -12,6 +12,8 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
 use prometheus_client::registry::{Metric, Registry};
 
+use crate::process::Process;
+
 /// Displayed name, kind, and description.
 pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     ("counterpoint_calls_total", "counter", "Calls answered, by `call` and `code`"),
@@ -52,6 +54,10 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     ("counterpoint_syncs_total", "counter", "Files and folders made durable"),
     ("counterpoint_free_bytes", "gauge", "Free bytes on the disk of the data folder"),
     ("counterpoint_ledger_writable", "gauge", "1 while the ledger can be written, otherwise 0"),
+    ("counterpoint_connections", "gauge", "Open connections"),
+    ("counterpoint_build_info", "gauge", "1, with the version of the server, by `version`"),
+    ("process_resident_memory_bytes", "gauge", "Memory of the process"),
+    ("process_open_fds", "gauge", "Open descriptors of the process"),
 ];
 
 type One = [(&'static str, &'static str); 1];
@@ -155,6 +161,7 @@ pub(crate) struct Metrics {
     pub(crate) watchers: Gauge,
     pub(crate) lag: Gauge,
     pub(crate) storage: Storage,
+    pub(crate) process: Process,
 }
 
 /// From half a millisecond to 16 s.
@@ -209,7 +216,12 @@ impl Metrics {
         register(all, "counterpoint_syncs_total", storage.syncs.clone());
         register(all, "counterpoint_free_bytes", storage.free_bytes.clone());
         register(all, "counterpoint_ledger_writable", storage.writable.clone());
-        Self { registry, calls, rates, jobs, tenants, watchers, lag, storage }
+        let process = Process::default();
+        register(all, "counterpoint_connections", process.connections.clone());
+        register(all, "counterpoint_build_info", process.build.clone());
+        register(all, "process_resident_memory_bytes", process.resident_bytes.clone());
+        register(all, "process_open_fds", process.open_descriptors.clone());
+        Self { registry, calls, rates, jobs, tenants, watchers, lag, storage, process }
     }
 
     /// Counts an answered call; `call` is one of few names.

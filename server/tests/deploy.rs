@@ -42,7 +42,9 @@ fn metrics() -> BTreeSet<String> {
 fn check_query(query: &str) {
     let known = metrics();
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
-    let words = query.split(|c: char| !is_part(c)).filter(|word| word.starts_with("counterpoint"));
+    let words = query
+        .split(|c: char| !is_part(c))
+        .filter(|word| ["counterpoint", "process_"].iter().any(|begin| word.starts_with(begin)));
     let words: Vec<&str> = words.filter(|word| *word != "counterpoint").collect();
     for name in &words {
         assert!(known.contains(*name), "{name} is not a metric: {query}");

@@ -39,6 +39,7 @@ impl Core {
         });
         self.metrics.queue(waiting, paused.into_iter());
         self.observe_tenants();
+        self.metrics.process.observe(self.connections.count());
         let count = |value: usize| i64::try_from(value).unwrap_or(i64::MAX);
         self.metrics.jobs.running.set(count(*self.running().borrow()));
         let (watchers, lag) = self.streams.count();

@@ -83,6 +83,21 @@ impl Faults for Full {
 }
 
 #[tokio::test]
+async fn the_process_its_build_and_its_connections_are_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(seen(folder.path())).await;
+    server.submit("r", "EVENTS 1").await;
+    assert_eq!(value(&server, "counterpoint_connections").await, Some(1.0));
+    let build = format!("counterpoint_build_info{{version=\"{}\"}}", env!("CARGO_PKG_VERSION"));
+    assert_eq!(value(&server, &build).await, Some(1.0));
+    if cfg!(target_os = "linux") {
+        assert!(value(&server, "process_resident_memory_bytes").await.unwrap() > 1e6);
+        assert!(value(&server, "process_open_fds").await.unwrap() > 5.0);
+    }
+    server.stop().await;
+}
+
+#[tokio::test]
 async fn a_server_is_live_and_ready_while_it_takes_jobs() {
     let folder = tempfile::tempdir().unwrap();
     let full = Arc::new(Full(AtomicBool::new(false)));
