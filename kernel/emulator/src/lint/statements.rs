@@ -7,10 +7,8 @@ use std::sync::Arc;
 
 use counterpoint_dialect::outline::{Argument, Called, Deed, Goal, Named, Signalled, Step};
 use counterpoint_dialect::{Call, Coordination, Operands};
-use counterpoint_event::event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_machine::stored::StoredFile;
 use counterpoint_program::spot::Spot;
 
 use super::Walk;
@@ -227,12 +225,6 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Whether a file is stored with the machine.
-    fn is_stored(&self, file: FileId) -> bool {
-        let files = &self.kernel.channel.env.info.files;
-        files.get(usize::from(file)).is_some_and(|file| file.name.starts_with(StoredFile::ROOT))
-    }
-
     fn call(&mut self, called: Called) -> Acted {
         self.check_calls()?;
         let Called { name, place, passes } = called;
@@ -246,8 +238,9 @@ impl Walk<'_, '_> {
                 Some(_) => Err(self.lost(&format!("how often {name} runs is computed"))),
             };
         };
-        // Cycles of the machine are not the user's to correct.
-        if self.is_stored(file) && self.meets_in_program(file, range)?.is_none() {
+        // Cycles of the machine are not the user's to correct, and no shipped one meets a channel.
+        let info = self.kernel.channel.env.info;
+        if info.is_resident(file) || info.is_stored(file) && self.meets_in_program(file, range)?.is_none() {
             return Ok(());
         }
         if passes > 0 {
