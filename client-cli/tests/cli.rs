@@ -469,7 +469,7 @@ fn a_length_that_the_table_of_tools_does_not_have_is_reported_once() {
         ("fanuc-mill", mill, &numbers, "part.nc:5: ", "tool offset 7 has no values"),
         ("haas-mill", mill, &numbers, "part.nc:5: ", "tool offset 7 has no values"),
         ("siemens-mill", siemens, &names, "part.nc:5: ", "edge 1 of tool 5 has no values"),
-        ("heidenhain-mill", tnc, &numbers, "part.nc:4: ", "tool offset 5 has no values"),
+        ("heidenhain-mill", tnc, &numbers, "part.nc:4: ", "tool 5 has no values"),
     ] {
         let path = program(folder.path(), "part.nc", text);
         let run = |more: &[&str]| {
