@@ -216,7 +216,7 @@ impl Metrics {
         register(all, "counterpoint_syncs_total", storage.syncs.clone());
         register(all, "counterpoint_free_bytes", storage.free_bytes.clone());
         register(all, "counterpoint_ledger_writable", storage.writable.clone());
-        let process = Process::default();
+        let process = Process::new();
         register(all, "counterpoint_connections", process.connections.clone());
         register(all, "counterpoint_build_info", process.build.clone());
         register(all, "process_resident_memory_bytes", process.resident_bytes.clone());

@@ -15,9 +15,15 @@ pub(crate) struct Process {
 }
 
 impl Process {
+    /// The gauges of this build.
+    pub(crate) fn new() -> Self {
+        let process = Self::default();
+        process.build.get_or_create(&[("version", env!("CARGO_PKG_VERSION"))]).set(1);
+        process
+    }
+
     /// Sets the gauges of the process, with the number of its connections.
     pub(crate) fn observe(&self, connections: usize) {
-        self.build.get_or_create(&[("version", env!("CARGO_PKG_VERSION"))]).set(1);
         self.connections.set(i64::try_from(connections).unwrap_or(i64::MAX));
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
