@@ -22,7 +22,7 @@ use counterpoint_motion::contour::element::Element;
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
-/// Feed while blocks are only read: their times count for nothing, and no move looks too slow or too fast.
+/// Feed while blocks are only read: their times count for nothing.
 const READING_FEED: f64 = 1000.0;
 
 impl Kernel<'_> {
@@ -199,7 +199,10 @@ impl Kernel<'_> {
         // A feed per minute needs no spindle; moves are only recorded.
         self.channel.state.modal.activate(group::FEED, codes::FEED_UPM, None);
         self.channel.state.remembered.remember(data::FEED_UPM, READING_FEED);
+        // Feeds per revolution of the contour are read as feeds per minute.
+        let long_move = std::mem::replace(&mut self.channel.reports.plausible.long_move, true);
         let done = blocks(self).and_then(|()| self.flush_lookahead());
+        self.channel.reports.plausible.long_move = long_move;
         let done = done.map_err(|halt| self.end_compensation(halt));
 
         self.macros.block = block;
