@@ -137,8 +137,8 @@ impl ResultsBuilder {
             for tool in &mut tools {
                 tool.operation = operations.get(&tool.tool).copied().unwrap_or_default().to_owned();
             }
-            let bars = (bars.finish(&info, end_ns), spans);
-            rows.push(timeline::Channel::new(channel, bars, (state, end_ns), tally.wait_ns));
+            let bars = (bars.finish(end_ns), spans);
+            rows.push(timeline::Channel::new((&info, channel), bars, (state, end_ns), tally.wait_ns));
             let mut end = summary::Channel::new(channel, &tally, (state, end_ns));
             if let Some(file) = program {
                 info.file_name(file).clone_into(&mut end.program);

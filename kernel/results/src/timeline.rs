@@ -9,11 +9,15 @@ mod svg;
 #[cfg(test)]
 mod tests;
 
-use serde::Serialize;
+use std::sync::Arc;
+
+use serde::ser::SerializeStruct as _;
+use serde::{Serialize, Serializer};
 
 use crate::spans::Span;
 use crate::summary::{ChannelState, Waits};
 use bars::Bar;
+use counterpoint_event::FileId;
 use counterpoint_event::info::{self, Info};
 
 /// Timeline of a job.
@@ -36,7 +40,7 @@ pub struct Timeline {
 }
 
 /// A channel in the timeline.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 pub struct Channel {
     /// Number.
     pub channel: u16,
@@ -45,32 +49,68 @@ pub struct Channel {
     /// Its activity.
     pub bars: Vec<Bar>,
     /// Its tools in work, left out without any.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tools: Vec<Span>,
     /// Program, for the title of the picture.
-    #[serde(skip)]
     pub program: String,
     /// How it ended, for the marks of the picture.
-    #[serde(skip)]
     pub state: ChannelState,
     /// When it ended, ns.
-    #[serde(skip)]
     pub end_ns: i64,
     /// Time spent waiting, ns.
-    #[serde(skip)]
     pub wait_ns: i64,
+    /// The job, for the names of files.
+    info: Arc<Info>,
+}
+
+/// A bar with the name of its file.
+#[derive(Serialize)]
+struct NamedBar<'a> {
+    #[serde(flatten)]
+    bar: &'a Bar,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    file: &'a str,
+}
+
+/// The bars of a channel with the names of their files.
+struct NamedBars<'a>(&'a Channel);
+
+impl Serialize for NamedBars<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer
+            .collect_seq(self.0.bars.iter().map(|bar| NamedBar { bar, file: self.0.file_name(bar.file, bar.line) }))
+    }
+}
+
+impl Serialize for Channel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("Channel", 3 + usize::from(!self.tools.is_empty()))?;
+        fields.serialize_field("channel", &self.channel)?;
+        fields.serialize_field("name", &self.name)?;
+        fields.serialize_field("bars", &NamedBars(self))?;
+        if !self.tools.is_empty() {
+            fields.serialize_field("tools", &self.tools)?;
+        }
+        fields.end()
+    }
 }
 
 impl Channel {
     /// From the bars and tools of a channel, its state, where it ended and how long it waited.
     pub fn new(
-        channel: &info::Channel,
+        (info, channel): (&Arc<Info>, &info::Channel),
         (bars, tools): (Vec<Bar>, Vec<Span>),
         (state, end_ns): (ChannelState, i64),
         wait_ns: i64,
     ) -> Self {
         let (name, program) = (channel.name.clone(), channel.program.clone());
-        Self { channel: channel.number, name, bars, tools, program, state, end_ns, wait_ns }
+        let info = Arc::clone(info);
+        Self { channel: channel.number, name, bars, tools, program, state, end_ns, wait_ns, info }
+    }
+
+    /// Name of the file of a line; empty where there is no line.
+    #[must_use]
+    pub fn file_name(&self, file: FileId, line: u32) -> &str {
+        if line == 0 { "" } else { self.info.file_name(file) }
     }
 }
 

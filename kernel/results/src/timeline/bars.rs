@@ -5,12 +5,10 @@
 
 use std::sync::Arc;
 
-use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use crate::sync_points::Stay;
 use counterpoint_event::event::Work;
-use counterpoint_event::info::Info;
 use counterpoint_event::{FileId, SourcePlace};
 
 /// Bars a channel has at most.
@@ -29,8 +27,8 @@ pub struct Bar {
     /// Duration, ns.
     pub dur_ns: i64,
     /// File of its blocks in the user's programs; of joined bars that of the first one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub file: Option<Arc<str>>,
+    #[serde(skip)]
+    pub file: FileId,
     /// Line of its first block in that file.
     pub line: u32,
     /// Line of its last block in that file.
@@ -44,9 +42,6 @@ pub struct Bar {
     /// Time of the kind, when shorter ones of other kinds are inside.
     #[serde(skip)]
     pub(super) own_ns: i64,
-    /// Number of the file.
-    #[serde(skip)]
-    file_id: FileId,
 }
 
 /// Names of axes that another channel moves. Few bars have them, so the name is kept outside the bar.
@@ -69,26 +64,15 @@ impl Bar {
         self.t_ns.saturating_add(self.dur_ns)
     }
 
-    /// Work at one place; the name of its file comes last ([`Bars::finish`]).
+    /// Work at one place.
     fn new(kind: Work, (t_ns, dur_ns): (i64, i64), place: SourcePlace) -> Self {
-        let SourcePlace { file: file_id, line } = place;
-        Self {
-            kind,
-            t_ns,
-            dur_ns,
-            file: None,
-            line,
-            end_line: line,
-            label: None,
-            carried: None,
-            own_ns: dur_ns,
-            file_id,
-        }
+        let SourcePlace { file, line } = place;
+        Self { kind, t_ns, dur_ns, file, line, end_line: line, label: None, carried: None, own_ns: dur_ns }
     }
 
     fn absorb(&mut self, next: &mut Self) {
         self.dur_ns = next.end_ns() - self.t_ns;
-        if next.file_id == self.file_id {
+        if next.file == self.file {
             self.end_line = next.end_line;
         }
         if next.kind == self.kind {
@@ -122,7 +106,7 @@ impl Bars {
     #[inline]
     pub fn push(&mut self, kind: Work, t_ns: i64, dur_ns: i64, place: SourcePlace) {
         if let Some(last) = self.bars.last_mut()
-            && (last.kind == kind && last.file_id == place.file || last.dur_ns < self.grain_ns)
+            && (last.kind == kind && last.file == place.file || last.dur_ns < self.grain_ns)
             && kind != Work::Wait
             && last.kind != Work::Wait
             && last.end_ns() == t_ns
@@ -159,14 +143,9 @@ impl Bars {
         }
     }
 
-    /// Bars up to the end of the channel, with the names of their files.
-    pub fn finish(mut self, info: &Info, end_ns: i64) -> Vec<Bar> {
+    /// Bars up to the end of the channel.
+    pub fn finish(mut self, end_ns: i64) -> Vec<Bar> {
         self.thin();
-        let mut names: FxHashMap<FileId, Arc<str>> = FxHashMap::default();
-        for bar in self.bars.iter_mut().filter(|bar| bar.line != 0) {
-            let name = names.entry(bar.file_id).or_insert_with(|| info.file_name(bar.file_id).into());
-            bar.file = Some(Arc::clone(name));
-        }
         while let Some(last) = self.bars.last_mut()
             && last.end_ns() > end_ns
         {

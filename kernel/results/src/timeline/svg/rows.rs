@@ -3,8 +3,8 @@
 //! Bars narrower than a pixel are drawn together, in the colour of the work that took most of the time. Few bars are
 //! drawn one by one with a hint for the mouse, many as one path for each kind.
 
+use counterpoint_event::FileId;
 use std::fmt::Write as _;
-use std::sync::Arc;
 
 use super::layout::Layout;
 use super::scale::{Scale, time_text};
@@ -62,7 +62,7 @@ struct Run {
     t_ns: i64,
     end_ns: i64,
     /// File of the first block, and the lines in that file.
-    file: Option<Arc<str>>,
+    file: FileId,
     lines: (u32, u32),
     label: Option<String>,
     /// The axis that another channel moved meanwhile.
@@ -104,7 +104,7 @@ fn run(kind: Work, bars: &[&Bar]) -> Run {
         kind,
         t_ns: first.map_or(0, |b| b.t_ns),
         end_ns: last.map_or(0, |b| b.end_ns()),
-        file: first.and_then(|bar| bar.file.clone()),
+        file: first.map_or(0, |bar| bar.file),
         lines: first.map_or((0, 0), |b| (b.line, ending.map_or(b.end_line, |last| last.end_line))),
         label: first.filter(|_| bars.len() == 1).and_then(|b| b.label.as_deref()).map(str::to_owned),
         carried: first
@@ -136,7 +136,8 @@ fn single(out: &mut String, run: &Run, channel: &Channel, top: f64, scale: &Scal
     }
     let _ = write!(hint, ", {}, ", time_text(run.end_ns - run.t_ns, 1_000_000));
     let own = channel.program.split('#').next().unwrap_or_default();
-    if let Some(file) = run.file.as_deref().filter(|file| *file != own) {
+    let file = channel.file_name(run.file, run.lines.0);
+    if file != own && !file.is_empty() {
         let _ = write!(hint, "{file} ");
     }
     let _ = match run.lines {
