@@ -373,7 +373,7 @@ mod tests {
     #[test]
     fn a_text_of_the_host_shows_no_path() {
         for (text, shown) in [
-            ("No space left on device (os error 28) at path \"/var/lib/cp/tmp/.tmpX\"", "… at path \"…\""),
+            ("No space left on device (os error 28) at path \"/srv/jobs/.part\"", "… at path \"…\""),
             ("'/var/lib/my data/ledger.redb' is empty", "'…' is empty"),
             ("/var/lib/cp: denied, /etc", "… denied, …"),
             ("open C:\\data\\x failed", "open … failed"),

@@ -166,7 +166,7 @@ impl Info {
         self.files.get(usize::from(file)).is_some_and(|f| f.stored)
     }
 
-    /// Whether a file is shipped with this project, so that it is no program of the user.
+    /// Whether the project ships the file; the file then counts as part of the machine, not as a program of the user.
     #[must_use]
     pub fn is_resident(&self, file: FileId) -> bool {
         self.files.get(usize::from(file)).is_some_and(|f| f.resident)

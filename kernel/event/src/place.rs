@@ -28,7 +28,7 @@ impl SourcePlace {
         self.line != 0
     }
 
-    /// This place, or the other one when there is none.
+    /// This place if it is one, otherwise the other place.
     #[inline(always)]
     #[must_use]
     pub const fn or(self, other: Self) -> Self {

@@ -11,7 +11,7 @@ pub struct StoredFile {
     pub path: String,
     /// Content.
     pub content: Bytes,
-    /// It is as this project ships it, so it is no program of the user.
+    /// The project ships this file with this content; it counts as part of the machine, not as a program of the user.
     pub resident: bool,
 }
 

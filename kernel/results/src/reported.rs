@@ -36,6 +36,11 @@ impl Reported {
         Some(Self { t_ns, micro, channel, file, line, caller, what })
     }
 
+    /// The innermost place in the programs of the user.
+    pub fn user_place(&self) -> SourcePlace {
+        self.caller.or(SourcePlace::new(self.file, self.line))
+    }
+
     /// The event it was.
     pub fn event(&self) -> Event {
         let Self { t_ns, micro, channel, file, line, caller, .. } = *self;

@@ -18,7 +18,7 @@ pub use crate::tools::Tool;
 use crate::analysis::{Analysis, Race};
 use crate::late::Late;
 use crate::reported::{Reported, What};
-use counterpoint_event::event::{FileId, Origin, SourcePlace, VerdictKind};
+use counterpoint_event::event::{FileId, Origin, VerdictKind};
 use counterpoint_event::info::{self, BLOCK_TEXT, Info};
 use counterpoint_fault as diag;
 use tally::Tally;
@@ -267,14 +267,13 @@ impl Findings {
         self.highest_severity = self.highest_severity.max(diagnostic.severity);
         self.lost |= [diag::LINT_LOST.number, diag::LINT_ORDER.number].contains(&diagnostic.number);
         if let Some(race) = diagnostic.race.as_deref().filter(|_| self.races.len() < MAX_DIAGNOSTICS) {
-            let line = reported.caller.or(SourcePlace::new(reported.file, reported.line)).line;
-            let lines = [(race.channel, race.line), (reported.channel, line)];
+            let lines = [(race.channel, race.line), (reported.channel, reported.user_place().line)];
             self.races.push((race.variable.as_ref().into(), lines.into()));
         }
         if self.diagnostics.len() >= MAX_DIAGNOSTICS {
             return;
         }
-        let place = reported.caller.or(SourcePlace::new(reported.file, reported.line));
+        let place = reported.user_place();
         let (file, block) = self.place(place.file, place.line);
         self.diagnostics.push(Diagnostic {
             number: diagnostic.number,

@@ -107,7 +107,7 @@ impl Channel {
         Self { channel: channel.number, name, bars, tools, program, state, end_ns, wait_ns, info }
     }
 
-    /// Name of the file of a line; empty where there is no line.
+    /// Name of the file of a line; empty for line 0.
     #[must_use]
     pub fn file_name(&self, file: FileId, line: u32) -> &str {
         if line == 0 { "" } else { self.info.file_name(file) }

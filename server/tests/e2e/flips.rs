@@ -16,7 +16,7 @@ use tonic::{Code, Status};
 use crate::bad_disk::Random;
 use crate::support::*;
 
-/// What a client is told: by question, the bytes of the answer or the code of the refusal.
+/// Answers to a client by their questions: the bytes of an answer, or the code of a refusal.
 type Answers = BTreeMap<String, Result<Vec<u8>, Code>>;
 
 /// Jobs of all kinds: a log in the ledger, in a plain and in a compressed file, files of macros, a refused job.
@@ -29,7 +29,7 @@ const SCRIPTS: [(&str, &str); 5] = [
 ];
 const MACHINE: &str = "extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n";
 
-fn told<T: Message>(answer: Result<tonic::Response<T>, Status>) -> Result<Vec<u8>, Code> {
+fn encoded<T: Message>(answer: Result<tonic::Response<T>, Status>) -> Result<Vec<u8>, Code> {
     answer.map(|answer| answer.into_inner().encode_to_vec()).map_err(|status| status.code())
 }
 
@@ -56,7 +56,7 @@ fn without_description(
 async fn ask_of(server: &Server, name: &str, job: &str, answers: &mut Answers) {
     let job_id = job.to_owned();
     let get = v1::GetJobRequest { job_id: job_id.clone() };
-    answers.insert(format!("{name} status"), told(without_description(server.jobs().get_job(get).await)));
+    answers.insert(format!("{name} status"), encoded(without_description(server.jobs().get_job(get).await)));
     let watch =
         v1::WatchJobRequest { job_id: job_id.clone(), level: v1::WatchLevel::Everything.into(), ..Default::default() };
     let events = |message: v1::WatchJobResponse| match message.content {
@@ -68,7 +68,7 @@ async fn ask_of(server: &Server, name: &str, job: &str, answers: &mut Answers) {
     let summary = whole(server.results().get_summary(get).await, |message| message.data.to_vec()).await;
     answers.insert(format!("{name} summary"), summary);
     let list = v1::ListFilesRequest { job_id: job_id.clone(), ..Default::default() };
-    answers.insert(format!("{name} files"), told(server.results().list_files(list).await));
+    answers.insert(format!("{name} files"), encoded(server.results().list_files(list).await));
     let get = v1::GetFileRequest { job_id, path: "a.txt".into() };
     let file = whole(server.results().get_file(get).await, |message| message.data.to_vec()).await;
     answers.insert(format!("{name} file"), file);
@@ -81,9 +81,9 @@ async fn ask(server: &Server, jobs: &BTreeMap<&str, String>) -> Answers {
         ask_of(server, name, job, &mut answers).await;
     }
     let list = server.jobs().list_jobs(v1::ListJobsRequest::default()).await;
-    answers.insert("list".into(), told(list));
+    answers.insert("list".into(), encoded(list));
     let get = v1::GetMachineRequest { name: "own".into(), ..Default::default() };
-    answers.insert("machine".into(), told(server.machines().get_machine(get).await));
+    answers.insert("machine".into(), encoded(server.machines().get_machine(get).await));
     for content in SCRIPTS.map(|(_, script)| script).into_iter().chain([MACHINE]) {
         answers.extend([blob(server, content).await]);
     }
@@ -252,7 +252,7 @@ async fn a_changed_bit_in_the_ledger_is_reported_by_doctor_and_start_and_what_is
         let mut missing = 0;
         for (name, job) in &jobs {
             let get = v1::GetJobRequest { job_id: job.clone() };
-            match told(without_description(server.jobs().get_job(get).await)) {
+            match encoded(without_description(server.jobs().get_job(get).await)) {
                 answer if answer == truth[&format!("{name} status")] => {}
                 Err(Code::NotFound | Code::DataLoss) => missing += 1,
                 other => panic!("{place}: {name} {other:?}"),

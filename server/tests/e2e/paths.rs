@@ -31,13 +31,13 @@ impl Faults for Telling {
     }
 }
 
-/// Everything that clients have been told.
-struct Told {
+/// Checks that no answer to a client names a path of the server.
+struct PathCheck {
     folder: PathBuf,
     refused: usize,
 }
 
-impl Told {
+impl PathCheck {
     fn look(&mut self, call: &str, text: &str) {
         assert!(!text.contains(self.folder.to_str().unwrap()), "{call}: {text}");
     }
@@ -71,15 +71,15 @@ impl Told {
 }
 
 /// Makes every call that reads or writes.
-async fn ask_all(server: &Server, told: &mut Told, jobs: &[String], round: usize) {
+async fn ask_all(server: &Server, check: &mut PathCheck, jobs: &[String], round: usize) {
     let content = format!("EVENTS {}", round + 1);
     let chunk =
         v1::UploadRequest { digest: digest(content.as_bytes()), data: content.clone().into(), ..Default::default() };
-    told.answer("upload", server.blobs().upload(tokio_stream::iter([chunk])).await);
+    check.answer("upload", server.blobs().upload(tokio_stream::iter([chunk])).await);
     let known = digest(b"EVENTS 20000\nWRITE a.txt");
     let find = v1::FindMissingRequest { digests: vec![known.clone()] };
-    told.answer("find", server.blobs().find_missing(find).await);
-    told.stream("download", server.blobs().download(v1::DownloadRequest { digest: known.clone() }).await).await;
+    check.answer("find", server.blobs().find_missing(find).await);
+    check.stream("download", server.blobs().download(v1::DownloadRequest { digest: known.clone() }).await).await;
     let submit = v1::SubmitJobRequest {
         request_id: format!("more-{round}"),
         machine: "fanuc-2path-lathe".into(),
@@ -88,33 +88,33 @@ async fn ask_all(server: &Server, told: &mut Told, jobs: &[String], round: usize
         ..Default::default()
     };
     let guess = v1::SubmitJobRequest { machine: String::new(), request_id: format!("guess-{round}"), ..submit.clone() };
-    told.answer("submit", server.jobs().submit_job(submit).await);
-    told.answer("guess", server.jobs().submit_job(guess).await);
+    check.answer("submit", server.jobs().submit_job(submit).await);
+    check.answer("guess", server.jobs().submit_job(guess).await);
     let files = vec![v1::MachineFile { path: "own/machine.toml".into(), digest: known }];
     let put = v1::PutMachineRequest { name: "own".into(), files };
-    told.answer("put machine", server.machines().put_machine(put).await);
+    check.answer("put machine", server.machines().put_machine(put).await);
     let list = v1::ListMachinesRequest { page_size: 3, ..Default::default() };
-    told.answer("list machines", server.machines().list_machines(list).await);
-    told.answer("list", server.jobs().list_jobs(v1::ListJobsRequest::default()).await);
+    check.answer("list machines", server.machines().list_machines(list).await);
+    check.answer("list", server.jobs().list_jobs(v1::ListJobsRequest::default()).await);
     for (at, job) in jobs.iter().enumerate() {
         let job_id = job.clone();
-        told.answer("get", server.jobs().get_job(v1::GetJobRequest { job_id: job_id.clone() }).await);
+        check.answer("get", server.jobs().get_job(v1::GetJobRequest { job_id: job_id.clone() }).await);
         let watch = v1::WatchJobRequest { job_id: job_id.clone(), ..Default::default() };
-        told.stream("watch", server.jobs().watch_job(watch).await).await;
+        check.stream("watch", server.jobs().watch_job(watch).await).await;
         let ask = v1::GetEventsRequest { job_id: job_id.clone() };
-        told.stream("events", server.results().get_events(ask).await).await;
+        check.stream("events", server.results().get_events(ask).await).await;
         let ask = v1::GetSummaryRequest { job_id: job_id.clone() };
-        told.stream("summary", server.results().get_summary(ask).await).await;
+        check.stream("summary", server.results().get_summary(ask).await).await;
         let ask = v1::GetTimelineRequest { job_id: job_id.clone(), ..Default::default() };
-        told.stream("timeline", server.results().get_timeline(ask).await).await;
+        check.stream("timeline", server.results().get_timeline(ask).await).await;
         let ask = v1::GetListingRequest { job_id: job_id.clone(), channel: 1, ..Default::default() };
-        told.stream("listing", server.results().get_listing(ask).await).await;
+        check.stream("listing", server.results().get_listing(ask).await).await;
         let ask = v1::ListFilesRequest { job_id: job_id.clone(), ..Default::default() };
-        told.answer("files", server.results().list_files(ask).await);
+        check.answer("files", server.results().list_files(ask).await);
         let ask = v1::GetFileRequest { job_id: job_id.clone(), path: "a.txt".into() };
-        told.stream("file", server.results().get_file(ask).await).await;
+        check.stream("file", server.results().get_file(ask).await).await;
         let rerun = v1::RerunJobRequest { request_id: format!("re-{round}-{at}"), job_id, ..Default::default() };
-        told.answer("rerun", server.jobs().rerun_job(rerun).await);
+        check.answer("rerun", server.jobs().rerun_job(rerun).await);
     }
 }
 
@@ -135,7 +135,7 @@ async fn no_error_names_a_place_on_the_server() {
         jobs.push(server.submit(name, script).await);
         server.wait(&jobs[jobs.len() - 1]).await;
     }
-    let mut told = Told { folder: data.clone(), refused: 0 };
+    let mut check = PathCheck { folder: data.clone(), refused: 0 };
     let kinds: [Fails; 5] = [
         |step| step == Step::Read,
         |step| matches!(step, Step::Create),
@@ -145,9 +145,9 @@ async fn no_error_names_a_place_on_the_server() {
     ];
     for (round, fails) in kinds.into_iter().enumerate() {
         *faults.0.lock().unwrap() = Some(fails);
-        let before = told.refused;
-        ask_all(&server, &mut told, &jobs, round).await;
-        assert!(told.refused > before, "kind {round} is met");
+        let before = check.refused;
+        ask_all(&server, &mut check, &jobs, round).await;
+        assert!(check.refused > before, "kind {round} is met");
         *faults.0.lock().unwrap() = None;
         let accepted = async {
             while !accepts(&server, &format!("next-{round}")).await {
@@ -165,6 +165,6 @@ async fn no_error_names_a_place_on_the_server() {
             std::fs::create_dir(&path).unwrap();
         }
     }
-    ask_all(&server, &mut told, &jobs, 7).await;
+    ask_all(&server, &mut check, &jobs, 7).await;
     server.stop().await;
 }
