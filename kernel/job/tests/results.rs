@@ -105,14 +105,16 @@ fn a_real_job_lists_every_block() {
 
 /// A job of two channels that loop, with a limit.
 fn looping(limits: Limits) -> (Job, Memory) {
+    two_channels("G0 X50. Z5.\nWHILE[1 EQ 1]DO1\nG4 X1.\nEND1\nM30", limits)
+}
+
+/// A job of two channels with the same program, with a limit.
+fn two_channels(text: &str, limits: Limits) -> (Job, Memory) {
     let machine = load(&package::shipped(), "fanuc-2path-lathe").machine.expect("shipped machine");
     let mut files = Memory::default();
     let mut programs = Vec::new();
     for (file, number) in [("a.nc", 1), ("b.nc", 2)] {
-        files.insert(
-            file.to_owned(),
-            format!("O{number}\nG0 X50. Z5.\nWHILE[1 EQ 1]DO1\nG4 X1.\nEND1\nM30\n").as_bytes(),
-        );
+        files.insert(file.to_owned(), format!("O{number}\n{text}\n").as_bytes());
         programs.push(Program { file: file.to_owned(), number: None, section: None, channel: None });
     }
     let options = Options { limits, ..Options::default() };
@@ -136,6 +138,20 @@ fn the_limit_that_ended_a_run_is_known_and_nobody_else_claims_one() {
     control.cancel();
     job.run(&files, &control, &mut Log::default());
     assert_eq!(control.reached(), None, "a cancelled job has not reached a limit");
+}
+
+#[test]
+fn the_last_block_is_not_exempt_from_the_limit_of_time() {
+    let run = |text: &str, seconds| {
+        let (job, files) = two_channels(text, Limits { simulated_ns: seconds * S, ..Limits::default() });
+        let control = Control::new(2);
+        job.run(&files, &control, &mut Log::default());
+        control.reached()
+    };
+    for text in ["G4 X10.\nM30", "G98 G1 W10. F60. M30", "G98 G1 W10. F60.\n%"] {
+        assert_eq!(run(text, 9), Some(Limit::SimulatedTime), "{text}");
+        assert_eq!(run(text, 10), None, "{text}");
+    }
 }
 
 /// A clock that advances by a second each time its own thread reads it.

@@ -79,6 +79,12 @@ impl Kernel<'_> {
         while let Some(next) = self.restarted(halt) {
             halt = self.end_macros(next);
         }
+        if let Halt::ProgramEnd(_) = halt
+            && let Err(limit) = self.check_limits()
+        {
+            // The last block has no block after it that would see the limit.
+            halt = limit;
+        }
         self.close_files(halt);
         self.finish(halt)
     }
