@@ -70,10 +70,11 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let (client, job) = connected(&arguments).await?;
     let mut progress = Progress::new(arguments.quiet);
     let mut watch = client.watch(&job, v1::WatchLevel::Diagnostics);
+    let mut files = Vec::new();
     loop {
         match watch.next().await? {
             Update::Events(batch) => {
-                for line in batch.events.iter().filter_map(event_line) {
+                for line in batch.events.iter().filter_map(|event| event_line(event, &files)) {
                     say::data(line.as_bytes())?;
                 }
             }
@@ -82,7 +83,7 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
                 progress.clear();
                 return Ok(ended(&status, strict));
             }
-            Update::Description(_) => {}
+            Update::Description(description) => files = description.files,
         }
     }
 }

@@ -34,6 +34,7 @@ impl Memory {
         let add = |used: u64| used.checked_add(bytes).filter(|sum| *sum <= self.most);
         match self.used.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add) {
             Ok(_) => Ok(Taken { memory: self.clone(), bytes }),
+            Err(_) if bytes > self.most => Err(Refusal::BeyondMemory { bytes, budget: self.most }),
             Err(_) => Err(Refusal::MemoryFull(self.most)),
         }
     }
@@ -66,6 +67,7 @@ mod tests {
         let memory = Memory::new(100);
         let first = memory.take(60).unwrap();
         assert_eq!(memory.take(41).unwrap_err(), Refusal::MemoryFull(100));
+        assert_eq!(memory.take(101).unwrap_err(), Refusal::BeyondMemory { bytes: 101, budget: 100 });
         let job = memory.count(50);
         assert_eq!(memory.used(), 110, "a job that has been accepted fits");
         drop(first);

@@ -110,6 +110,17 @@ pub enum Refusal {
     /// The memory budget of the server does not have room for the request.
     #[error("the server has no memory for the request within its budget of {0} bytes (memory_bytes)")]
     MemoryFull(u64),
+    /// The request would not fit if the memory budget of the server were free.
+    #[error(
+        "the request takes {bytes} bytes of memory, more than the whole budget of the server (memory_bytes = {budget}): \
+         make it smaller, or let the administrator raise the budget"
+    )]
+    BeyondMemory {
+        /// Bytes of the request.
+        bytes: u64,
+        /// The whole budget.
+        budget: u64,
+    },
     /// The server is going down; `cursor` is where a watch may continue.
     #[error("the server is shutting down")]
     Draining {
@@ -224,6 +235,7 @@ impl Refusal {
             Self::Quota { .. } => ("QUOTA_EXCEEDED", Code::ResourceExhausted),
             Self::QueueFull(_) => ("QUEUE_FULL", Code::ResourceExhausted),
             Self::MemoryFull(_) => ("MEMORY_FULL", Code::ResourceExhausted),
+            Self::BeyondMemory { .. } => ("BEYOND_MEMORY", Code::FailedPrecondition),
             Self::Draining { .. } => ("DRAINING", Code::Unavailable),
             Self::Storage(_) => ("STORAGE", Code::Unavailable),
             Self::DiskFull(_) => ("DISK_FULL", Code::ResourceExhausted),

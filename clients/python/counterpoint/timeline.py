@@ -14,12 +14,14 @@ COLOURS = {
 
 
 class Bar(NamedTuple):
-    """What a channel did for a while."""
+    """A stretch of time that a channel spent on one kind of work, with the lines of its blocks in the user's program."""
 
     kind: str
     start_s: float
     duration_s: float
+    file: str
     line: int
+    end_line: int
     label: str
 
 
@@ -46,7 +48,8 @@ class Timeline(NamedTuple):
         """From timeline.json."""
 
         def bar(bar: Mapping[str, Any]) -> Bar:
-            return Bar(bar["kind"], bar["t_ns"] / 1e9, bar["dur_ns"] / 1e9, bar["line"], bar.get("label", ""))
+            place = bar.get("file", ""), bar["line"], bar["end_line"]
+            return Bar(bar["kind"], bar["t_ns"] / 1e9, bar["dur_ns"] / 1e9, *place, bar.get("label", ""))
 
         channels = [Channel(c["channel"], c["name"], [bar(b) for b in c["bars"]]) for c in data["channels"]]
         return Timeline(data["makespan_ns"] / 1e9, channels)
@@ -70,7 +73,7 @@ def draw(timeline: Timeline, width: int = 960) -> str:
         out.append(f'<text x="{left - 8}" y="{y + 17}" text-anchor="end">{escape(channel.name)}</text>')
         for bar in channel.bars:
             start, length = left + bar.start_s * scale, max(bar.duration_s * scale, 0.3)
-            title = escape(f"{bar.kind} {bar.label} line {bar.line}: {bar.duration_s:.3f} s")
+            title = escape(f"{bar.kind} {bar.label} {bar.file}:{bar.line}: {bar.duration_s:.3f} s")
             out.append(
                 f'<rect x="{start:.1f}" y="{y}" width="{length:.1f}" height="{row - 10}" '
                 f'fill="{COLOURS.get(bar.kind, "#999")}"><title>{title}</title></rect>'

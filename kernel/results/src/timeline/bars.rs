@@ -29,9 +29,9 @@ pub struct Bar {
     /// File of its blocks in the user's programs; of joined bars that of the first one.
     #[serde(skip)]
     pub file: FileId,
-    /// Line of its first block in that file.
+    /// Least line of its blocks in that file.
     pub line: u32,
-    /// Line of its last block in that file.
+    /// Greatest line of its blocks in that file; a loop or a jump back can run them in another order.
     pub end_line: u32,
     /// Mark of a wait.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -73,7 +73,7 @@ impl Bar {
     fn absorb(&mut self, next: &mut Self) {
         self.dur_ns = next.end_ns() - self.t_ns;
         if next.file == self.file {
-            self.end_line = next.end_line;
+            (self.line, self.end_line) = (self.line.min(next.line), self.end_line.max(next.end_line));
         }
         if next.kind == self.kind {
             self.own_ns += next.own_ns;

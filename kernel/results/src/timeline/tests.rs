@@ -104,6 +104,14 @@ fn a_blocked_channel_has_no_bar_for_its_stand_and_a_stop_cuts() {
 }
 
 #[test]
+fn the_lines_of_a_bar_are_those_of_its_blocks_in_any_order() {
+    let line = |line, t| at(1, line, t * S, S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[1.0])));
+    let events = [line(5, 0), line(9, 1), line(3, 2), line(7, 3), life(1, 4 * S, Phase::ProgramEnd)];
+    let bars = timeline(&lathe(&["x"]), &events).channels.remove(0).bars;
+    assert_eq!(bars.iter().map(|b| (b.line, b.end_line, b.dur_ns)).collect::<Vec<_>>(), [(3, 9, 4 * S)]);
+}
+
+#[test]
 fn the_number_of_bars_is_bounded_and_their_time_kept() {
     let mut events = Vec::new();
     let mut t = 0;
