@@ -209,12 +209,28 @@ impl<T: Copy> BySlot<T> for [T; MAX_AXES] {
 
 const _: () = assert!(MAX_AXES.is_power_of_two(), "slots are masked, so that the compiler leaves out the check");
 
+/// The bit of each register: a load is shorter than a shift of 128 bits, which every word of a block would do.
+#[expect(
+    clippy::indexing_slicing,
+    reason = "the indices are within the array, as its computation at compile time shows"
+)]
+static REGISTER_BITS: [u128; u128::BITS as usize] = {
+    let mut bits = [1; u128::BITS as usize];
+    let mut register = 1;
+    while register < bits.len() {
+        bits[register] = bits[register - 1] << 1;
+        register += 1;
+    }
+    bits
+};
+
 impl RegisterId {
     /// Its bit in a set of registers.
     #[must_use]
     #[inline]
-    pub const fn bit(self) -> u128 {
-        1 << self.0
+    #[expect(clippy::indexing_slicing, reason = "the index is masked")]
+    pub fn bit(self) -> u128 {
+        REGISTER_BITS[self.index() % REGISTER_BITS.len()]
     }
 }
 

@@ -249,10 +249,11 @@ impl Block {
     /// Takes the data word of a register, if it is there and still free.
     #[inline]
     pub fn take(&mut self, register: RegisterId) -> Option<Word> {
-        if !self.has(register) {
+        let bit = register.bit();
+        if self.present & bit == 0 {
             return None;
         }
-        self.present &= !register.bit();
+        self.present ^= bit;
         let slot = *self.slots.get(register.index())?;
         let word = self.words.get_mut(usize::from(slot))?;
         word.used = true;
