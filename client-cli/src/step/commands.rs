@@ -7,6 +7,8 @@ use counterpoint_proto::v1::debug_command::What;
 /// All commands.
 pub(super) const HELP: &str = "\
 step [CHANNEL|all] [xN]   run one block, or N, of the channel furthest behind, of CHANNEL, or of all
+over [CHANNEL|all] [xN]   the same; a call of a subprogram is one block
+out [CHANNEL|all] [xN]    run to the block after the return from one call, or from N calls
 continue                  run to the next breakpoint or to the end
 until PLACE [xN]          run to the first (Nth) hit of PLACE
 break PLACE [xN]          stop at every (every Nth) hit of PLACE
@@ -17,7 +19,7 @@ reset CHANNEL             reset a channel
 show                      show channels, positions, remembered words, variables, breakpoints
 quit                      run to the end without stops, as the end of the input does
 PLACE is: wait [MARK] (wait M101), write VARIABLE (write #500), line [FILE:]LINE (line upper.nc:12), time SECONDS (time 2.5)
-Short: s, c, u, b, q. Ctrl-C pauses a job that runs, and cancels one that stands. What follows a ; is a remark.";
+Short: s, o, c, u, b, q. Ctrl-C pauses a job that runs, and cancels one that stands. What follows a ; is a remark.";
 
 /// A line of the input.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,16 +47,21 @@ pub(super) fn read(text: &str) -> Result<Line, String> {
     let count = match words.last().and_then(|word| times(word)) {
         // A variable may have such a name.
         _ if matches!(&words[..], ["write", _]) => 0,
-        Some(count) if matches!(&*command, "step" | "s" | "until" | "u" | "break" | "b") => {
+        Some(count) if matches!(&*command, "until" | "u" | "break" | "b") || step_calls(&command).is_some() => {
             words.pop();
             count?
         }
         _ => 0,
     };
+    if let Some(calls) = step_calls(&command) {
+        match &words[..] {
+            [] => return Ok(step(0, false, count, calls)),
+            ["all"] => return Ok(step(0, true, count, calls)),
+            [of] => return Ok(step(channel(of)?, false, count, calls)),
+            _ => {}
+        }
+    }
     let line = match (&*command, &words[..]) {
-        ("step" | "s", []) => step(0, false, count),
-        ("step" | "s", ["all"]) => step(0, true, count),
-        ("step" | "s", [of]) => step(channel(of)?, false, count),
         ("continue" | "c", []) => Line::Run(What::Action(v1::DebugAction::Continue.into())),
         ("until" | "u", place) => Line::Until(v1::Breakpoint { at: Some(at(place)?), count, once: true, id: 0 }),
         ("break" | "b", place) => {
@@ -75,8 +82,18 @@ pub(super) fn read(text: &str) -> Result<Line, String> {
     Ok(line)
 }
 
-fn step(channel: u32, all: bool, blocks: u32) -> Line {
-    Line::Run(What::Step(v1::DebugStep { channel, all, blocks }))
+/// How a command that steps treats calls; none for another command.
+fn step_calls(command: &str) -> Option<v1::StepCalls> {
+    Some(match command {
+        "step" | "s" => v1::StepCalls::Into,
+        "over" | "o" => v1::StepCalls::Over,
+        "out" => v1::StepCalls::Out,
+        _ => return None,
+    })
+}
+
+fn step(channel: u32, all: bool, blocks: u32, calls: v1::StepCalls) -> Line {
+    Line::Run(What::Step(v1::DebugStep { channel, all, blocks, calls: calls.into() }))
 }
 
 /// `x3`; none for another word.
@@ -129,9 +146,12 @@ mod tests {
 
     #[test]
     fn commands_are_read() {
-        assert_eq!(read("step"), Ok(step(0, false, 0)));
-        assert_eq!(read(" S 2 x3 ; the lower turret"), Ok(step(2, false, 3)));
-        assert_eq!(read("step all X2"), Ok(step(0, true, 2)));
+        use v1::StepCalls::{Into, Out, Over};
+        assert_eq!(read("step"), Ok(step(0, false, 0, Into)));
+        assert_eq!(read(" S 2 x3 ; the lower turret"), Ok(step(2, false, 3, Into)));
+        assert_eq!(read("step all X2"), Ok(step(0, true, 2, Into)));
+        assert_eq!((read("over"), read("o 2 x4")), (Ok(step(0, false, 0, Over)), Ok(step(2, false, 4, Over))));
+        assert_eq!((read("out"), read("out all x2")), (Ok(step(0, false, 0, Out)), Ok(step(0, true, 2, Out))));
         assert_eq!(read("hold"), Ok(Line::Set(What::Hold(0))));
         assert_eq!(read("resume 2"), Ok(Line::Set(What::Resume(2))));
         assert_eq!(read("clear 4"), Ok(Line::Set(What::Remove(4))));

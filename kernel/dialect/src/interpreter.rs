@@ -96,6 +96,12 @@ pub trait Interpreter: Send {
         None
     }
 
+    /// Whether a block shows or hides the blocks from it to the return of its program when an operator steps; none if it
+    /// does neither.
+    fn shows_blocks(&self, _: &[u8]) -> Option<bool> {
+        None
+    }
+
     /// Approximate bytes of its variables and of its memory of programs.
     fn memory(&self) -> u64 {
         0

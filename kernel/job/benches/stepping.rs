@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::Job;
-use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Said, Spot, Whom};
+use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Said, Spot, StepCalls, Whom};
 use jobs::{job, machine, results};
 
 /// Blocks of a program.
@@ -75,7 +75,7 @@ fn measure(name: &str, (job, files): &(Job, Memory), programs: usize) {
     });
     println!("{name:<14} results {:>6.1} ns a block; events counted {:>6.1} ns", ns(free, blocks), ns(logged, blocks));
     let line = Breakpoint { id: 0, spot: Spot::Line { file: "none.nc".into(), line: 5 }, count: 0, once: false };
-    let next = |blocks| Command::Step { whom: Whom::Next, blocks };
+    let next = |blocks| Command::Step { whom: Whom::Next, blocks, calls: StepCalls::Into };
     for (what, first, command) in [
         ("continue", None, Command::Continue),
         ("continue, a breakpoint elsewhere", Some(Command::Add(line)), Command::Continue),

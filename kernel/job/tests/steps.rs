@@ -14,7 +14,7 @@ use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::summary::{self, ChannelState, Summary};
 use counterpoint_kernel::machine::{load, package};
-use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Report, Said, Spot, Whom};
+use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Report, Said, Spot, StepCalls, Whom};
 use counterpoint_kernel::options::Options;
 
 const S: i64 = 1_000_000_000;
@@ -129,7 +129,7 @@ fn reports(said: &[Said]) -> Vec<&Report> {
 }
 
 fn step(whom: Whom, blocks: u32) -> Command {
-    Command::Step { whom, blocks }
+    Command::Step { whom, blocks, calls: StepCalls::Into }
 }
 
 fn at(spot: Spot) -> Command {
@@ -422,4 +422,80 @@ fn steps_go_over_shipped_cycles_and_stop_in_one_at_a_breakpoint() {
         reports(&said).iter().map(|report| (report.channels[0].file.clone(), report.channels[0].line)).collect();
     assert!(files.contains(&("//ICAMFS/cst.dir/cycle81.spf".to_owned(), 3)), "{files:?}");
     assert_eq!(files.last().map(|(file, line)| (file.as_str(), *line)), Some(("jobs/p1.nc", 5)));
+}
+
+fn calls(calls: StepCalls, whom: Whom, blocks: u32) -> Command {
+    Command::Step { whom, blocks, calls }
+}
+
+/// Lines of the only channel at each stop, the first one left out.
+fn lines_of(machine: &str, text: &str, commands: Vec<Command>) -> Vec<u32> {
+    let (summary, said) = stepped(machine, &[text], commands, false);
+    assert_eq!(summary.log_digest, free(machine, &[text]).log_digest, "{:?}", summary.diagnostics);
+    stops(&said).into_iter().skip(1).flat_map(|(_, lines)| lines).collect()
+}
+
+#[test]
+fn steps_go_over_and_out_of_calls() {
+    use StepCalls::{Into, Out, Over};
+    // Lines: 2 calls lines 5 to 9, which call lines 10 to 12 at 7; each has three blocks, the last one returns.
+    let programs = [
+        ("fanuc-mill", "O1\nM98 P2\nG4 X1.\nM30\nO2\nG4 X1.\nM98 P3\nG4 X1.\nM99\nO3\nG4 X1.\nM99\n"),
+        (
+            "heidenhain-mill",
+            "BEGIN PGM A MM\nCALL LBL 1\nSTOP\nM30\nLBL 1\nSTOP\nCALL LBL 2\nSTOP\nLBL 0\nLBL 2\nSTOP\nLBL 0\nEND PGM A MM\n",
+        ),
+        ("okuma-mill", "O1\nCALL O2\nG4 F1\nM02\nO2\nG4 F1\nCALL O3\nG4 F1\nRTS\nO3\nG4 F1\nRTS\n"),
+        (
+            "siemens-mill",
+            "%_N_A_MPF\nSUB1\nG4 F1\nM30\n%_N_SUB1_SPF\nG4 F1\nSUB2\nG4 F1\nM17\n%_N_SUB2_SPF\nG4 F1\nM17\n",
+        ),
+    ];
+    for (machine, text) in programs {
+        let next = |of, blocks| calls(of, Whom::Next, blocks);
+        let until =
+            |at| [Command::Add(Breakpoint { id: 0, spot: line("", at), count: 0, once: true }), Command::Continue];
+        let all = lines_of(machine, text, vec![step(Whom::Next, 1); 20]);
+        assert!(all.starts_with(&[2]) && [6, 11].iter().all(|line| all.contains(line)), "{machine}: {all:?}");
+        let over = |from: u32, blocks| {
+            let commands = until(from).into_iter().chain([next(Over, blocks)]).collect();
+            lines_of(machine, text, commands)[1]
+        };
+        assert_eq!((over(2, 1), over(2, 2), over(7, 1), over(7, 2)), (3, 4, 8, 9), "{machine}");
+        // Beyond the end of the called program, a block of the caller is the next one that counts.
+        assert_eq!(over(8, 2), 3, "{machine}");
+        let out = |from: u32, count, whom| {
+            let commands = until(from).into_iter().chain([calls(Out, whom, count)]).collect();
+            lines_of(machine, text, commands)[1]
+        };
+        for whom in [Whom::Next, Whom::One(1), Whom::All] {
+            assert_eq!(
+                (out(11, 1, whom), out(11, 2, whom), out(6, 1, whom), out(6, 9, whom)),
+                (8, 3, 3, 3),
+                "{machine}"
+            );
+        }
+        let (_, said) = stepped(machine, &[text], vec![next(Into, 1), next(Out, 1)], false);
+        let refusals: Vec<_> = said.iter().filter(|said| matches!(said, Said::Refused(_))).collect();
+        assert!(
+            matches!(&refusals[..], [Said::Refused(text)] if text.contains("there is no call to leave")),
+            "{machine}: {refusals:?}"
+        );
+    }
+}
+
+#[test]
+fn steps_go_over_siemens_programs_that_hide_their_blocks() {
+    let text = |head: &str, inside: &str| {
+        format!("%_N_A_MPF\nEXTERN SUB1\nSUB1\nG4 F1\nM30\n%_N_SUB1_SPF\n{head}\nG4 F1\n{inside}\nG4 F1\nM17\n")
+    };
+    let lines = |head: &str, inside: &str| {
+        let lines = lines_of("siemens-mill", &text(head, inside), vec![step(Whom::Next, 1); 12]);
+        lines.into_iter().filter(|line| *line > 2).collect::<Vec<_>>()
+    };
+    assert_eq!(lines("PROC SUB1", "G4 F1"), [3, 6, 7, 8, 9, 10, 11, 4, 5]);
+    assert_eq!(lines("PROC SUB1 SBLOF", "G4 F1"), [3, 4, 5]);
+    assert_eq!(lines("; drills\nPROC SUB1 DISPLOF", "SBLON"), [3, 10, 11, 12, 4, 5]);
+    assert_eq!(lines("PROC SUB1 SBLOF", "SBLON"), [3, 9, 10, 11, 4, 5]);
+    assert_eq!(lines("PROC SUB1", "SBLOF"), [3, 6, 7, 8, 4, 5]);
 }

@@ -19,8 +19,10 @@ pub enum Command {
     Step {
         /// Of which channels.
         whom: Whom,
-        /// How many, of each of them.
+        /// How many, of each of them; calls to leave, for a step out.
         blocks: u32,
+        /// Which of their blocks count.
+        calls: StepCalls,
     },
     /// Runs until a breakpoint or the end.
     Continue,
@@ -59,6 +61,18 @@ pub enum Whom {
     One(u16),
     /// Each of them.
     All,
+}
+
+/// How a step treats the calls of a channel: calls of subprograms, macros and program parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum StepCalls {
+    /// Blocks of called programs count, too.
+    #[default]
+    Into,
+    /// A call is one block.
+    Over,
+    /// To the next block after the return.
+    Out,
 }
 
 /// A place at which a run stops.
@@ -158,6 +172,8 @@ pub struct Seen {
     pub file: FileId,
     /// Line of the block.
     pub line: u32,
+    /// Calls that the block is inside; 0 in the main program.
+    pub level: u32,
     /// Simulated time, ns.
     pub t_ns: i64,
     /// Programmed position.

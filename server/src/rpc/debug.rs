@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::operator::{Breakpoint, ChannelReport, Command, Report, Said, Spot, Whom};
+use counterpoint_kernel::operator::{Breakpoint, ChannelReport, Command, Report, Said, Spot, StepCalls, Whom};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::breakpoint::At;
 use counterpoint_proto::v1::debug_command::What;
@@ -141,13 +141,20 @@ fn channel(field: &str, number: u32) -> Result<u16, Refusal> {
 
 fn command(command: v1::DebugCommand) -> Result<Command, Refusal> {
     Ok(match command.what.ok_or_else(|| Refusal::field("command.what", "is missing"))? {
-        What::Step(v1::DebugStep { all: true, channel: 0, blocks }) => Command::Step { whom: Whom::All, blocks },
-        What::Step(v1::DebugStep { all: true, .. }) => {
-            return Err(Refusal::field("command.step.all", "and a channel exclude each other"));
-        }
-        What::Step(v1::DebugStep { channel: 0, blocks, .. }) => Command::Step { whom: Whom::Next, blocks },
-        What::Step(v1::DebugStep { channel: number, blocks, .. }) => {
-            Command::Step { whom: Whom::One(channel("step.channel", number)?), blocks }
+        What::Step(v1::DebugStep { all, channel: number, blocks, calls }) => {
+            let whom = match (all, number) {
+                (true, 0) => Whom::All,
+                (true, _) => return Err(Refusal::field("command.step.all", "and a channel exclude each other")),
+                (false, 0) => Whom::Next,
+                (false, number) => Whom::One(channel("step.channel", number)?),
+            };
+            let calls = match v1::StepCalls::try_from(calls) {
+                Ok(v1::StepCalls::Unspecified | v1::StepCalls::Into) => StepCalls::Into,
+                Ok(v1::StepCalls::Over) => StepCalls::Over,
+                Ok(v1::StepCalls::Out) => StepCalls::Out,
+                Err(_) => return Err(Refusal::field("command.step.calls", "is not a value of StepCalls")),
+            };
+            Command::Step { whom, blocks, calls }
         }
         What::Action(action) => match v1::DebugAction::try_from(action) {
             Ok(v1::DebugAction::Continue) => Command::Continue,

@@ -41,6 +41,7 @@ mod preparation;
 mod records;
 mod run;
 mod settings;
+mod single_block;
 mod spindles;
 mod statement;
 mod stored;
@@ -282,6 +283,10 @@ impl Interpreter for Siemens {
     fn executes(&mut self, line: (FileId, u32)) -> bool {
         let line = self.read.get(line).map(|line| line.as_ref().as_ref());
         line.is_some_and(|line| line.is_ok_and(|line| line.is_statement))
+    }
+
+    fn shows_blocks(&self, text: &[u8]) -> Option<bool> {
+        single_block::shows_blocks(text)
     }
 
     fn memory(&self) -> u64 {

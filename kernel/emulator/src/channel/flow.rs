@@ -121,6 +121,8 @@ pub(crate) struct Flow {
     /// The pre-processor of another control calls after blocks that move.
     pub(crate) modal_text: bool,
     pub(crate) pass: Passes,
+    /// Steps go over the blocks of the programs from this number of running programs on.
+    pub(crate) hidden_from: Option<usize>,
     /// The program has jumped back or called, so a line may run again.
     pub(crate) repeats: bool,
     /// Printing statements.

@@ -29,8 +29,9 @@ impl Kernel<'_> {
             return Err(Halt::Stopped);
         }
         let Some(stepper) = self.ports.stepper else { return Ok(()) };
+        let hidden = self.hides_block();
         let at = &self.channel.at;
-        if at.caller.is_some() && !stepper.breaks_at(SourcePlace::new(at.file, at.line)) {
+        if (at.caller.is_some() || hidden) && !stepper.breaks_at(SourcePlace::new(at.file, at.line)) {
             // Steps go over the blocks of resident programs.
             return Ok(());
         }
@@ -53,6 +54,27 @@ impl Kernel<'_> {
                 Err(self.fatal(&diag::CHANNEL_RESET, text))
             }
         }
+    }
+
+    /// Whether the block is in a program that hides its blocks from steps; looks for statements that do so.
+    fn hides_block(&mut self) -> bool {
+        let at = &self.channel.at;
+        let running = self.flow.frames.len();
+        self.flow.hidden_from = self.flow.hidden_from.filter(|from| *from <= running);
+        let source = self.channel.env.sources.get(at.file);
+        let line = |line| source.map(|source| source.line(line)).unwrap_or_default();
+        // The declaration is behind the head of the program and its first remarks.
+        let is_head = |text: &[u8]| matches!(text.trim_ascii_start().first(), None | Some(b'%' | b';'));
+        let begins = self.flow.frames.last().is_some_and(|frame| frame.range.first == at.line);
+        let last = self.flow.frames.last().filter(|_| begins).map_or(at.line, |frame| frame.range.last);
+        let declared = (at.line..=last).map(line).find(|text| !is_head(text));
+        let text = declared.unwrap_or_default();
+        match self.dialect.interpreter.as_deref().and_then(|interpreter| interpreter.shows_blocks(text)) {
+            Some(true) => self.flow.hidden_from = None,
+            Some(false) => self.flow.hidden_from = self.flow.hidden_from.or(Some(running)),
+            None => {}
+        }
+        self.flow.hidden_from.is_some()
     }
 
     /// The kernel comes to a wait.
@@ -111,6 +133,7 @@ impl Kernel<'_> {
             channel: at.channel,
             file: place.file,
             line: place.line,
+            level: self.flow.frames.len().saturating_sub(1) as u32,
             t_ns: at.clock,
             position: self.channel.state.place.position,
             variables: Vec::new(),

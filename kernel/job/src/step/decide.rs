@@ -28,6 +28,18 @@ pub(super) enum Goal {
     All,
 }
 
+impl Channel {
+    /// Whether a block at this level counts for a step: not if it is inside a call that the step goes over or out of.
+    fn counts(&self, level: u32) -> bool {
+        self.deepest.is_none_or(|deepest| level <= deepest)
+    }
+
+    /// Whether the block where it was seen last counts for a step.
+    fn counts_here(&self) -> bool {
+        self.seen.as_ref().is_none_or(|seen| self.counts(seen.level))
+    }
+}
+
 /// The work.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Decision {
@@ -53,9 +65,11 @@ pub(super) fn furthest_behind(kernels: &[Candidate], may: impl Fn(u16) -> bool) 
 
 /// Whether the start of a block of a channel counts for the goal, and counts it. `first`: no other channel is further
 /// behind.
-fn passed(goal: &mut Goal, channel: &Channel, first: bool) -> bool {
+fn passed(goal: &mut Goal, channel: &Channel, level: u32, first: bool) -> bool {
     match goal {
         Goal::Free => first,
+        Goal::One { channel: wanted, .. } if *wanted == channel.number && !channel.counts(level) => true,
+        Goal::All | Goal::Next(_) if !channel.counts(level) => first,
         Goal::Next(blocks) if first && *blocks > 0 => {
             *blocks -= 1;
             true
@@ -73,7 +87,8 @@ impl State {
     /// Whether the channel may begin a block, or is within one.
     fn may(&self, number: u16) -> bool {
         let Some(channel) = self.channels.iter().find(|channel| channel.number == number) else { return true };
-        let held = channel.held && !channel.reset || self.goal == Goal::All && channel.left == 0;
+        let done = self.goal == Goal::All && channel.left == 0 && channel.counts_here();
+        let held = channel.held && !channel.reset || done;
         !(channel.at_block && held)
     }
 
@@ -133,9 +148,10 @@ impl State {
         {
             return Some(format!("channel {number} {reason}"));
         }
+        let counts = channel.counts_here();
         match self.goal {
-            Goal::Next(0) => Some("step".to_owned()),
-            Goal::One { channel, blocks: 0, .. } if channel == number => Some("step".to_owned()),
+            Goal::Next(0) if counts => Some("step".to_owned()),
+            Goal::One { channel, blocks: 0, .. } if channel == number && counts => Some("step".to_owned()),
             _ => None,
         }
     }
@@ -154,18 +170,18 @@ impl State {
         let Some(channel) = self.channels.iter_mut().find(|channel| channel.number == place.channel) else {
             return false;
         };
-        let passes = !waits && !channel.held && !channel.reset && passed(&mut self.goal, channel, first);
+        let passes = !waits && !channel.held && !channel.reset && passed(&mut self.goal, channel, place.level, first);
         (channel.at_block, channel.looked) = (!passes, passes);
         if passes {
             self.ahead = None;
-            channel.left = channel.left.saturating_sub(1);
+            channel.left = channel.left.saturating_sub(u32::from(channel.counts(place.level)));
         }
         let seen = channel.seen.get_or_insert_default();
         // Others may stop the run while this block is in progress.
         if (several || !passes) && channel.writes != Some(writes) {
             (seen.variables, channel.writes) = (variables(), Some(writes));
         }
-        (seen.channel, seen.file, seen.line) = (place.channel, place.file, place.line);
+        (seen.channel, seen.file, seen.line, seen.level) = (place.channel, place.file, place.line, place.level);
         (seen.t_ns, seen.position) = (place.t_ns, place.position);
         seen.words.clone_from(&place.words);
         passes
@@ -173,14 +189,15 @@ impl State {
 
     /// A kernel continues with its block.
     pub(super) fn goes(&mut self, number: u16) -> Go {
+        let Some(channel) = self.channels.iter_mut().find(|channel| channel.number == number) else { return Go::On };
+        let counted = u32::from(channel.counts_here());
         match &mut self.goal {
-            Goal::Next(blocks) => *blocks = blocks.saturating_sub(1),
-            Goal::One { channel, blocks, .. } if *channel == number => *blocks = blocks.saturating_sub(1),
+            Goal::Next(blocks) => *blocks = blocks.saturating_sub(counted),
+            Goal::One { channel, blocks, .. } if *channel == number => *blocks = blocks.saturating_sub(counted),
             _ => {}
         }
-        let Some(channel) = self.channel(number) else { return Go::On };
         channel.at_block = false;
-        channel.left = channel.left.saturating_sub(1);
+        channel.left = channel.left.saturating_sub(counted);
         if std::mem::take(&mut channel.reset) { Go::Reset } else { Go::On }
     }
 }

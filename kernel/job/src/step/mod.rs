@@ -17,7 +17,7 @@ use breakpoints::Breakpoints;
 use counterpoint_event::info::Info;
 use counterpoint_machine::Machine;
 use counterpoint_ports::control::{Control, State as Doing};
-use counterpoint_ports::step::{Command, Common, Console, Event, Go, Heard, Said, Seen, Stepper, Whom};
+use counterpoint_ports::step::{Command, Common, Console, Event, Go, Heard, Said, Seen, StepCalls, Stepper, Whom};
 use decide::{Decision, Goal, Standing};
 
 /// Between two looks at whether the job is to end.
@@ -56,6 +56,8 @@ struct Channel {
     looked: bool,
     /// Blocks that it still may begin in a step of all.
     left: u32,
+    /// Deepest level of calls whose blocks count for the step; none: all count.
+    deepest: Option<u32>,
     /// Feed hold.
     held: bool,
     /// It is to be reset.
@@ -180,7 +182,14 @@ impl<'a> Director<'a> {
             return Err("the run has not stopped yet: pause it first".to_owned());
         }
         match command {
-            Command::Step { whom, blocks } => self.step(state, whom, blocks.max(1))?,
+            Command::Step { whom, blocks, calls: StepCalls::Out } => self.step_out(state, whom, blocks.max(1))?,
+            Command::Step { whom, blocks, calls } => {
+                self.step(state, whom, blocks.max(1))?;
+                for channel in &mut state.channels {
+                    let level = channel.seen.as_ref().map_or(0, |seen| seen.level);
+                    channel.deepest = (calls == StepCalls::Over).then_some(level);
+                }
+            }
             Command::Continue => state.goal = Goal::Free,
             Command::Pause if state.goal == Goal::Stand => {}
             Command::Pause => state.stop = Some((0, "paused by the operator".to_owned())),
@@ -243,6 +252,42 @@ impl<'a> Director<'a> {
                 Goal::One { channel, blocks, stood: self.doing(channel) == Doing::Waiting }
             }
         };
+        Ok(())
+    }
+
+    /// To the block after the return from this number of calls.
+    fn step_out(&self, state: &mut State, whom: Whom, calls: u32) -> Result<(), String> {
+        let inside = |channel: &Channel| channel.seen.as_ref().map_or(0, |seen| seen.level);
+        let runs = |channel: &Channel| matches!(self.doing(channel.number), Doing::Running | Doing::Waiting);
+        let meant = |channel: &Channel| match whom {
+            Whom::One(number) => channel.number == number,
+            Whom::Next | Whom::All => runs(channel) && inside(channel) > 0,
+        };
+        let whom = match whom {
+            Whom::One(_) | Whom::All => whom,
+            Whom::Next => {
+                let behind = state.channels.iter().filter(|channel| meant(channel));
+                let behind = behind.min_by_key(|channel| channel.seen.as_ref().map(|seen| seen.t_ns));
+                behind.map_or(Whom::All, |channel| Whom::One(channel.number))
+            }
+        };
+        if let Whom::One(number) = whom {
+            self.runs(number)?;
+        }
+        if !state.channels.iter().any(|channel| meant(channel) && inside(channel) > 0) {
+            return Err(match whom {
+                Whom::One(number) => format!("channel {number} is in its main program: there is no call to leave"),
+                Whom::Next | Whom::All => "every channel is in its main program: there is no call to leave".to_owned(),
+            });
+        }
+        self.step(state, whom, 1)?;
+        for channel in &mut state.channels {
+            channel.left = 0;
+            channel.deepest = inside(channel).checked_sub(calls).or(Some(0));
+        }
+        if let Goal::One { blocks, .. } = &mut state.goal {
+            *blocks = 0;
+        }
         Ok(())
     }
 
