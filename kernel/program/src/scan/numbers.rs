@@ -52,6 +52,23 @@ fn leading_digits(mut number: i64, mut text: &[u8]) -> (i64, &[u8]) {
     (number, text)
 }
 
+/// Appends four digits in one step, if the text begins with them; returns the number with the rest of the text.
+#[inline(always)]
+fn four_digits(number: i64, text: &[u8]) -> (i64, &[u8]) {
+    const HIGH: u32 = 0xf0f0_f0f0;
+    if let Some((four, rest)) = text.split_first_chunk() {
+        let bytes = u32::from_le_bytes(*four);
+        // The high half of a digit is 3, and stays 3 when 6 is added to it.
+        if bytes & HIGH == 0x3030_3030 && bytes.wrapping_add(0x0606_0606) & HIGH == 0x3030_3030 {
+            let digits = bytes & 0x0f0f_0f0f;
+            let pairs = (digits * 10 + (digits >> 8)) & 0x00ff_00ff;
+            let value = (pairs & 0xff) * 100 + (pairs >> 16);
+            return (number.wrapping_mul(10_000).wrapping_add(i64::from(value)), rest);
+        }
+    }
+    (number, text)
+}
+
 /// The characters of a number: `[+-]digits[.digits]`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Digits<'a> {
@@ -80,7 +97,9 @@ pub(super) fn parse_digits(line: &[u8], at: usize) -> Option<(Digits<'_>, usize)
     let whole = text.len() - after.len();
     let (mantissa, fraction, point, length) = match after {
         [b'.', decimals @ ..] => {
-            let (mantissa, after) = leading_digits(mantissa, decimals);
+            // Most decimals of a program made by a CAM system are at least four digits.
+            let (mantissa, after) = four_digits(mantissa, decimals);
+            let (mantissa, after) = leading_digits(mantissa, after);
             let fraction = decimals.len() - after.len();
             (mantissa, fraction, true, whole + 1 + fraction)
         }
@@ -246,6 +265,24 @@ mod tests {
         for text in ["", "-", ".", "+.", "X", "e5"] {
             assert!(parse_number(text.as_bytes(), 0).is_none(), "{text}");
         }
+    }
+
+    #[test]
+    fn four_digits_are_those_that_one_by_one_gives() {
+        let bytes: Vec<u8> = (0x00..=0xff).filter(|byte| byte % 16 < 2 || byte % 16 > 8).collect();
+        let texts = bytes.iter().flat_map(|a| bytes.iter().map(move |b| [*a, *b]));
+        for [odd, other] in texts {
+            for place in 0..4 {
+                let mut text = *b"90871";
+                text[place] = odd;
+                text[(place + 1) % 4] = other;
+                let digits = text[..4].iter().all(u8::is_ascii_digit);
+                let expected = if digits { leading_digits(12, &text[..4]).0 } else { 12 };
+                let (number, rest) = four_digits(12, &text);
+                assert_eq!((number, rest.len()), (expected, if digits { 1 } else { 5 }), "{text:?}");
+            }
+        }
+        assert_eq!(four_digits(12, b"908"), (12, &b"908"[..]));
     }
 
     #[test]

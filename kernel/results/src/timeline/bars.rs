@@ -70,6 +70,14 @@ impl Bar {
         Self { kind, t_ns, dur_ns, file, line, end_line: line, label: None, carried: None, own_ns: dur_ns }
     }
 
+    /// Goes on with the same kind of work in the same file.
+    #[inline]
+    fn extend(&mut self, dur_ns: i64, line: u32) {
+        self.dur_ns += dur_ns;
+        self.own_ns += dur_ns;
+        (self.line, self.end_line) = (self.line.min(line), self.end_line.max(line));
+    }
+
     fn absorb(&mut self, next: &mut Self) {
         self.dur_ns = next.end_ns() - self.t_ns;
         if next.file == self.file {
@@ -106,15 +114,29 @@ impl Bars {
     #[inline]
     pub fn push(&mut self, kind: Work, t_ns: i64, dur_ns: i64, place: SourcePlace) {
         if let Some(last) = self.bars.last_mut()
-            && (last.kind == kind && last.file == place.file || last.dur_ns < self.grain_ns)
+            && last.kind == kind
+            && last.file == place.file
             && kind != Work::Wait
-            && last.kind != Work::Wait
             && last.end_ns() == t_ns
         {
-            last.absorb(&mut Bar::new(kind, (t_ns, dur_ns), place));
+            last.extend(dur_ns, place.line);
             return;
         }
-        self.add(Bar::new(kind, (t_ns, dur_ns), place));
+        self.push_other(Bar::new(kind, (t_ns, dur_ns), place));
+    }
+
+    /// A stretch of work of another kind or in another file than the last one.
+    fn push_other(&mut self, mut bar: Bar) {
+        if let Some(last) = self.bars.last_mut()
+            && last.dur_ns < self.grain_ns
+            && bar.kind != Work::Wait
+            && last.kind != Work::Wait
+            && last.end_ns() == bar.t_ns
+        {
+            last.absorb(&mut bar);
+            return;
+        }
+        self.add(bar);
     }
 
     /// A wait that is over.
