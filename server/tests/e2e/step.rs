@@ -161,7 +161,7 @@ async fn what_is_wrong_is_refused_and_the_run_stands() {
     let wrong = [
         What::Action(99),
         What::Hold(10_000),
-        What::Step(v1::DebugStep { channel: 1, all: true, blocks: 1 }),
+        What::Step(v1::DebugStep { channel: 1, all: true, blocks: 1, ..Default::default() }),
         breakpoint(None),
         breakpoint(Some(v1::breakpoint::At::Wait("M".repeat(1001)))),
     ];
