@@ -105,6 +105,11 @@ impl Caller {
     }
 }
 
+/// The refusal of a call that is for a higher role.
+fn too_low(needs: Role) -> Refusal {
+    Refusal::PermissionDenied(format!("the call needs the role '{needs}'"))
+}
+
 /// A call that may be made.
 #[derive(Debug)]
 pub(crate) struct Admitted {
@@ -186,8 +191,7 @@ impl Access {
             _ => Role::Read,
         };
         if caller.identity.role < role {
-            let refusal = Refusal::PermissionDenied(format!("the call needs the role '{role}'"));
-            return Err((Some(caller), refusal));
+            return Err((Some(caller), too_low(role)));
         }
         match self.rates.take(&caller.identity, Instant::now()) {
             Turn::Now => Ok(Admitted { caller: Some(caller), wait: None }),

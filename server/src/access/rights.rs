@@ -1,4 +1,4 @@
-//! How long a call may last: until its identity is revoked or expires.
+//! How long a call may last: until its identity is revoked, expires, or has a role that the call is not for.
 //!
 //! Invariant: a call that waits for its end holds a timer and its own token; it looks at the identities again only after
 //! they were read again and when its own expires.
@@ -9,7 +9,8 @@ use http::HeaderValue;
 use tokio::sync::watch;
 use tokio::time::sleep;
 
-use super::{Access, Caller, CertificateNames, jwt};
+use super::{Access, Caller, CertificateNames, Role, jwt};
+use crate::reason::Refusal;
 
 /// Shortest time between two looks at an identity that is about to expire.
 const LOOK: Duration = Duration::from_millis(500);
@@ -22,6 +23,8 @@ pub(crate) struct Rights {
     authorization: Option<HeaderValue>,
     names: CertificateNames,
     caller: Caller,
+    /// The role that the call needs.
+    needs: Role,
     reloads: watch::Receiver<u64>,
 }
 
@@ -31,28 +34,34 @@ impl Access {
         &self,
         authorization: Option<&HeaderValue>,
         names: &CertificateNames,
-        caller: &Caller,
+        (caller, needs): (&Caller, Role),
     ) -> Rights {
         Rights {
             authorization: authorization.cloned(),
             names: names.clone(),
             caller: caller.clone(),
+            needs,
             reloads: self.reloads.subscribe(),
         }
     }
 
-    /// Returns when the identity is revoked, has a lower role, or has expired.
-    pub(crate) async fn ended(&self, mut rights: Rights) {
+    /// Returns when the identity is revoked, has too low a role for the call, or has expired: with the answer to the call.
+    pub(crate) async fn ended(&self, mut rights: Rights) -> Refusal {
+        let revoked = || Refusal::Unauthenticated("the identity of the call was revoked or has expired".to_owned());
         loop {
             rights.reloads.mark_unchanged();
-            let Ok((now, until_s)) = self.identify(rights.authorization.as_ref(), &rights.names) else { return };
-            let before = &rights.caller.identity;
-            if now.tenant != before.tenant || now.role < before.role {
-                return;
+            let Ok((now, until_s)) = self.identify(rights.authorization.as_ref(), &rights.names) else {
+                return revoked();
+            };
+            if now.tenant != rights.caller.identity.tenant {
+                return revoked();
+            }
+            if now.role < rights.needs {
+                return super::too_low(rights.needs);
             }
             let left = Duration::from_secs(until_s.saturating_sub(jwt::now_s())).clamp(LOOK, LONGEST);
             tokio::select! {
-                changed = rights.reloads.changed() => if changed.is_err() { return },
+                changed = rights.reloads.changed() => if changed.is_err() { return revoked() },
                 () = sleep(left) => {}
             }
         }

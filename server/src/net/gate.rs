@@ -16,6 +16,7 @@ use super::held::Ended;
 use super::tls::Tls;
 use super::web::Web;
 use crate::access::audit::Audit;
+use crate::access::calls::Needs;
 use crate::access::fair::{Stay, Turn};
 use crate::access::{Access, Admitted, Caller, CertificateNames, calls};
 use crate::jobs::Core;
@@ -96,9 +97,10 @@ impl Gate {
         path: &str,
     ) -> Option<Ended> {
         let caller = caller.filter(|_| calls::ends_with_rights(path))?;
-        let rights = self.access.rights(headers.get(AUTHORIZATION), names, caller);
+        let Needs::Role(needs) = calls::needs(path) else { return None };
+        let rights = self.access.rights(headers.get(AUTHORIZATION), names, (caller, needs));
         let gate = self.clone();
-        Some(Box::pin(async move { gate.access.ended(rights).await }))
+        Some(Box::pin(async move { Status::from(gate.access.ended(rights).await) }))
     }
 
     /// Refuses calls without a known identity that come too often with the time until the next one is answered.

@@ -12,15 +12,9 @@ use tonic::body::Body;
 use crate::access::fair::Stay;
 use crate::connections::Call;
 use crate::memory::Taken;
-use crate::reason::Refusal;
 
-/// Ready when a call has lost its rights.
-pub(super) type Ended = Pin<Box<dyn Future<Output = ()> + Send>>;
-
-/// The answer to a call that has lost its rights.
-pub(super) fn revoked() -> Status {
-    Refusal::Unauthenticated("the identity of the call was revoked or has expired".to_owned()).into()
-}
+/// Ready when a call has lost its rights, with its answer.
+pub(super) type Ended = Pin<Box<dyn Future<Output = Status> + Send>>;
 
 /// A body and its call.
 pub(super) struct Held {
@@ -55,11 +49,11 @@ impl http_body::Body for Held {
             return Poll::Ready(None);
         }
         if let Some(ended) = &mut self.ended
-            && ended.as_mut().poll(cx).is_ready()
+            && let Poll::Ready(status) = ended.as_mut().poll(cx)
         {
             // The service sees that its client has gone.
             (self.body, self.ended, self.over) = (Body::empty(), None, true);
-            let trailers = revoked().into_http::<Body>().headers().clone();
+            let trailers = status.into_http::<Body>().headers().clone();
             return Poll::Ready(Some(Ok(Frame::trailers(trailers))));
         }
         Pin::new(&mut self.body).poll_frame(cx)

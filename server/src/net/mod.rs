@@ -304,7 +304,7 @@ async fn answer(
             None => answered.await,
             Some(ended) => tokio::select! {
                 answer = answered => answer,
-                () = ended => Ok(held::revoked().into_http()),
+                status = ended => Ok(status.into_http()),
             },
         }
     };

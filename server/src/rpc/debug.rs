@@ -55,7 +55,7 @@ pub(super) async fn debug(
         Some(live) => {
             let Some(said) = live.stepping().come() else { return Err(Refusal::SteppedAlready(id).into()) };
             let span = tracing::info_span!("debug", job = id);
-            let debug = Debug { core: core.clone(), live, send, said, under_way: 0 };
+            let debug = Debug { core: core.clone(), live, send, said, under_way: 0, welcomed: false };
             tokio::spawn(debug.run(told).instrument(span));
         }
     }
@@ -75,6 +75,8 @@ struct Debug {
     said: mpsc::UnboundedReceiver<Said>,
     /// Commands without an answer.
     under_way: usize,
+    /// The first stop, which answers no command of this client, has been received.
+    welcomed: bool,
 }
 
 impl Debug {
@@ -84,12 +86,16 @@ impl Debug {
         }
     }
 
-    /// Until the job ends or the client leaves. A client that has detached may end its side and hears of the end.
+    /// Until the job ends or the client leaves. A client that has detached may end its side and hears of the end; another
+    /// one that ends its side gets the answers to its commands first.
     async fn talk(&mut self, mut told: Streaming<v1::DebugRequest>) -> Result<(), Refusal> {
         let mut state = self.live.follow();
         let mut drain = self.core.drain.follow();
-        let mut detached = false;
+        let (mut detached, mut leaves) = (false, false);
         loop {
+            if leaves && self.under_way == 0 {
+                return Ok(());
+            }
             if state.borrow_and_update().ended() {
                 let _ = self.send.send(Ok(message(Content::Ended(status(self.live.record()))))).await;
                 return Ok(());
@@ -100,11 +106,12 @@ impl Debug {
                 changed = state.changed() => if changed.is_err() { return Ok(()) } else { continue },
                 _ = drain.wait_for(|begun| *begun) => return Err(Refusal::Draining { cursor: 0 }),
                 () = self.send.closed() => return Ok(()),
-                next = told.message(), if !detached && self.under_way < UNDER_WAY => Next::Told(next),
+                next = told.message(), if !detached && !leaves && self.under_way < UNDER_WAY => Next::Told(next),
             };
             match next {
                 Next::Said(said) => {
-                    self.under_way = self.under_way.saturating_sub(1);
+                    let welcome = matches!(*said, Said::Stopped(_)) && !std::mem::replace(&mut self.welcomed, true);
+                    self.under_way = self.under_way.saturating_sub(usize::from(!welcome));
                     if self.send.send(Ok(message(answer(*said)))).await.is_err() {
                         return Ok(());
                     }
@@ -112,7 +119,10 @@ impl Debug {
                 Next::Told(told) => {
                     let told = told.map_err(|status| Refusal::of_transport(&status))?;
                     let command = match told.and_then(|told| told.content) {
-                        None => return Ok(()),
+                        None => {
+                            leaves = true;
+                            continue;
+                        }
                         Some(Told::JobId(_)) => {
                             return Err(Refusal::field("job_id", "may be given in the first message only"));
                         }

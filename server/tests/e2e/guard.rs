@@ -188,6 +188,35 @@ async fn open_calls_end_with_the_rights_of_their_identity() {
     server.stop().await;
 }
 
+/// A role that is lowered ends the calls that it is not for, and no others.
+#[tokio::test]
+async fn open_calls_that_a_lowered_role_allows_continue() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let access = options.guard.access.clone();
+    let lowered = grant(&options, "lowered", "default", Role::Operate);
+    let server = Server::start(options).await;
+    let caller = As::new(&server, &lowered);
+    let stepped = v1::JobOptions { stepped: true, ..Default::default() };
+    let job = caller.submit_with("r", "fanuc-2path-lathe", "STEP a", Some(stepped)).await.unwrap().job_id;
+    let request = v1::WatchJobRequest { job_id: job.clone(), heartbeat_ms: 100, ..Default::default() };
+    let mut watch = caller.jobs().watch_job(request).await.unwrap().into_inner();
+    let (send, receive) = tokio::sync::mpsc::channel(1);
+    send.send(v1::DebugRequest { content: Some(v1::debug_request::Content::JobId(job)) }).await.unwrap();
+    let receive = tokio_stream::wrappers::ReceiverStream::new(receive);
+    let mut steps = caller.operator().debug(receive).await.unwrap().into_inner();
+    assert!(steps.message().await.unwrap().is_some(), "the run has stopped");
+    let rows = std::fs::read_to_string(&access).unwrap();
+    std::fs::write(&access, rows.replace("operate", "read")).unwrap();
+    server.handle.reload();
+    let refused = steps.message().await.unwrap_err();
+    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::PermissionDenied, "PERMISSION_DENIED"));
+    for _ in 0..10 {
+        assert!(watch.message().await.unwrap().is_some(), "read is enough for a watch");
+    }
+    server.stop().await;
+}
+
 #[tokio::test]
 async fn calls_beyond_the_rate_of_an_identity_are_refused_and_others_pass() {
     let folder = tempfile::tempdir().unwrap();

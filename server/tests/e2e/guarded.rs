@@ -78,7 +78,7 @@ impl As {
     }
 
     pub async fn submit(&self, request_id: &str, machine: &str, script: &str) -> Result<v1::JobStatus, Status> {
-        self.submit_limited(request_id, machine, script, None).await
+        self.submit_with(request_id, machine, script, None).await
     }
 
     pub async fn submit_limited(
@@ -88,13 +88,24 @@ impl As {
         script: &str,
         limits: Option<v1::JobLimits>,
     ) -> Result<v1::JobStatus, Status> {
+        let options = limits.map(|limits| v1::JobOptions { limits: Some(limits), ..Default::default() });
+        self.submit_with(request_id, machine, script, options).await
+    }
+
+    pub async fn submit_with(
+        &self,
+        request_id: &str,
+        machine: &str,
+        script: &str,
+        options: Option<v1::JobOptions>,
+    ) -> Result<v1::JobStatus, Status> {
         let digest = self.upload(script.as_bytes()).await?;
         let request = v1::SubmitJobRequest {
             request_id: request_id.into(),
             machine: machine.into(),
             programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
             files: vec![v1::FileRef { path: "main.nc".into(), digest }],
-            options: limits.map(|limits| v1::JobOptions { limits: Some(limits), ..Default::default() }),
+            options,
             ..Default::default()
         };
         Ok(self.jobs().submit_job(request).await?.into_inner().status.unwrap())

@@ -92,6 +92,34 @@ async fn each_command_has_an_answer_and_the_end_is_told() {
     server.stop().await;
 }
 
+/// As scripts do that send all commands at once: an answer to each comes before the end of the stream.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_client_that_ends_its_side_hears_the_answers_to_its_commands() {
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(patient(data.path(), 600)).await;
+    for run in 0..20 {
+        let job = stepped(&server, &format!("steps-{run}"), "STEP a\nSTEP b\nSTEP c\nEVENTS 3").await;
+        let mut person = Person::step(&server, &job).await;
+        for _ in 0..3 {
+            person.act(v1::DebugAction::Show).await;
+        }
+        person.command(What::Step(v1::DebugStep::default())).await;
+        let (say, _) = mpsc::channel(1);
+        drop(std::mem::replace(&mut person.say, say));
+        let mut heard = Vec::new();
+        while let Some(message) = person.heard.message().await.unwrap() {
+            heard.push(match message.content.unwrap() {
+                Content::Stopped(state) => state.reason,
+                Content::State(state) => format!("at {}", state.reason),
+                other => panic!("{other:?}"),
+            });
+        }
+        assert_eq!(heard, ["a", "at a", "at a", "at a", "b"], "run {run}");
+        server.jobs().cancel_job(v1::CancelJobRequest { job_id: job }).await.unwrap();
+    }
+    server.stop().await;
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn another_client_takes_over_and_a_detached_job_runs_to_its_end() {
     let data = tempfile::tempdir().unwrap();
