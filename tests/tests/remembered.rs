@@ -19,7 +19,7 @@ use counterpoint_kernel::log::event::{Event, Kind, OffsetKind};
 use counterpoint_kernel::log::summary::Summary;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
-use counterpoint_kernel::operator::{Command, Console, Heard, Report, Said, Whom};
+use counterpoint_kernel::operator::{Command, Console, Heard, Report, Said, StepCalls, Whom};
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::cases;
 
@@ -274,7 +274,7 @@ impl Console for Steps {
     }
 
     fn wait(&self, _at_most: Duration) -> Heard {
-        Heard::Command(Command::Step { whom: Whom::Next, blocks: 1 })
+        Heard::Command(Command::Step { whom: Whom::Next, blocks: 1, calls: StepCalls::Into })
     }
 
     fn say(&self, said: Said) {

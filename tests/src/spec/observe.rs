@@ -12,7 +12,7 @@ use std::time::Duration;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::event::letters;
 use counterpoint_kernel::log::event::{Event, Kind};
-use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Said, Spot, Whom};
+use counterpoint_kernel::operator::{Breakpoint, Command, Console, Heard, Said, Spot, StepCalls, Whom};
 use counterpoint_mdspec::{Check, Example};
 
 use super::Case;
@@ -139,10 +139,10 @@ impl Console for Operator {
         Heard::Command(match (self.first.get(turn), self.first.is_empty(), turn % 4) {
             (Some(command), ..) => command.clone(),
             (None, false, _) => Command::Continue,
-            (None, true, 0) => Command::Step { whom: Whom::Next, blocks: 1 },
-            (None, true, 1) => Command::Step { whom: Whom::One(1), blocks: 1 },
+            (None, true, 0) => Command::Step { whom: Whom::Next, blocks: 1, calls: StepCalls::Into },
+            (None, true, 1) => Command::Step { whom: Whom::One(1), blocks: 1, calls: StepCalls::Into },
             (None, true, 2) => Command::Show,
-            (None, true, _) => Command::Step { whom: Whom::All, blocks: 2 },
+            (None, true, _) => Command::Step { whom: Whom::All, blocks: 2, calls: StepCalls::Into },
         })
     }
 
