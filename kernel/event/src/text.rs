@@ -77,6 +77,18 @@ impl Text {
         self.starts.len() as u32 - 1
     }
 
+    /// Number of the line that has the byte at `at`.
+    #[must_use]
+    pub fn line_at(&self, at: usize) -> u32 {
+        self.starts.partition_point(|start| *start as usize <= at) as u32
+    }
+
+    /// Byte at which line `number` (from 1) begins; the length of the text beyond the file.
+    #[must_use]
+    pub fn start(&self, number: u32) -> usize {
+        self.starts.get((number as usize).wrapping_sub(1)).map_or(self.bytes.len(), |start| *start as usize)
+    }
+
     /// Text of line `number` (from 1) without its end; empty beyond the file.
     #[must_use]
     #[inline]
@@ -132,6 +144,14 @@ mod tests {
         // Half a character at the end, and half of a pair, are no reason to give up.
         assert_eq!(read(vec![0xFF, 0xFE, b'G', 0, b'0']), ["G"]);
         assert_eq!(read(vec![0xFE, 0xFF, 0xD8, 0, 0, b'M']), ["\u{fffd}M"]);
+    }
+
+    #[test]
+    fn every_byte_is_in_the_line_that_begins_at_it_or_before() {
+        let text_of = Text::new(Bytes::from_static(b"G0\r\n\nM30\rO1"), || false);
+        let lines: Vec<u32> = (0..text_of.size()).map(|at| text_of.line_at(at)).collect();
+        assert_eq!(lines, [1, 1, 1, 1, 2, 3, 3, 3, 3, 4, 4]);
+        assert_eq!([1, 2, 3, 4, 5].map(|line| text_of.start(line)), [0, 4, 5, 9, 11]);
     }
 
     #[test]

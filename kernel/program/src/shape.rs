@@ -110,6 +110,16 @@ impl Shape {
         out
     }
 
+    /// A line that defines a program by its number begins with one of these; none: definitions are of another kind.
+    pub(super) fn definition_letters(&self) -> Option<[u8; 3]> {
+        self.syntax.named_programs.is_none().then_some([b'O', b'o', b':'])
+    }
+
+    /// Whether names in angle brackets may define programs.
+    pub(super) fn has_angle_names(&self) -> bool {
+        self.names
+    }
+
     /// Few lines begin as a definition does; of the others nothing more is asked.
     #[inline]
     pub(super) fn may_define(&self, line: &[u8]) -> bool {

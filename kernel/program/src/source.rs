@@ -242,11 +242,10 @@ impl Deref for Source {
 fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let mut found: Vec<Range> = Vec::new();
     let last = source.lines();
-    for line in source.walk(1, last) {
+    let mut next = 1;
+    while let Some(line) = next_definition(source, shape, next) {
+        next = line + 1;
         let text = source.line(line);
-        if !shape.may_define(text) {
-            continue;
-        }
         let number = shape.number(text);
         if number.is_some() || shape.name(text).is_some() {
             if let Some(previous) = found.last_mut() {
@@ -264,6 +263,30 @@ fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
         found.insert(0, Range { number: None, first, last: definition - 1 });
     }
     found
+}
+
+/// The next line from `first` on that may define a program, until the job is to end.
+fn next_definition(source: &Source, shape: &Shape, first: u32) -> Option<u32> {
+    let letters = shape.definition_letters().filter(|_| !(shape.has_angle_names() && source.has(b'<')));
+    let Some([a, b, c]) = letters else {
+        return source.walk(first, source.lines()).find(|line| shape.may_define(source.line(*line)));
+    };
+    let (text, mut line) = (source.text(), first);
+    // Few lines have one of the letters anywhere.
+    while !source.stop.asked()
+        && let at = text.start(line)
+        && let Some(found) = memchr::memchr3(a, b, c, text.bytes().get(at..)?)
+    {
+        line = text.line_at(at + found);
+        if line > source.lines() {
+            return None;
+        }
+        if shape.may_define(source.line(line)) {
+            return Some(line);
+        }
+        line += 1;
+    }
+    None
 }
 
 /// Lines until the job is to end.
@@ -291,6 +314,29 @@ impl DoubleEndedIterator for Walk<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_lines_that_may_define_a_program_are_those_that_a_look_at_each_line_finds() {
+        let lines = ["O1", " /o2 (x)", "(O3)", ":4", "G1 X1 (<NO>)", "<SUB>", "N5 GOTO 7", "", "\t:6", "M30 O7"];
+        for names in [false, true] {
+            let shape = if names { Shape::with_angle_names() } else { Shape::default() };
+            for first in 0..lines.len() {
+                for by in 1..lines.len() {
+                    let some = (0..7).filter_map(|at| lines.get((first + at * by) % lines.len()).copied());
+                    let text = some.collect::<Vec<_>>().join(if by % 2 == 0 { "\n" } else { "\r\n" });
+                    let source = Source::shaped("t", text.clone().into(), Arc::default(), Stop::default());
+                    let all: Vec<u32> = (1..=source.lines()).filter(|at| shape.may_define(source.line(*at))).collect();
+                    let mut found = Vec::new();
+                    while let Some(line) = next_definition(&source, &shape, found.last().map_or(1, |last| last + 1)) {
+                        found.push(line);
+                    }
+                    // Without such names a line in angle brackets defines nothing.
+                    let defines = |line: &u32| names || !source.line(*line).starts_with(b"<");
+                    assert_eq!(found, all.into_iter().filter(defines).collect::<Vec<_>>(), "{text}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn nothing_is_looked_for_when_the_job_is_to_end() {
