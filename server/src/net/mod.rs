@@ -3,6 +3,7 @@
 //! Invariants: a peer that never speaks, or has not called for a while, holds no descriptor; when the process has no
 //! descriptor left, the accept loop waits instead of spinning.
 
+mod form;
 mod gate;
 mod held;
 mod pause;
@@ -18,7 +19,8 @@ use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::time::Duration;
 
-use http::{HeaderMap, Request, Response};
+use http::header::ALLOW;
+use http::{HeaderMap, HeaderValue, Request, Response, StatusCode};
 use hyper::body::Incoming;
 use hyper::server::conn::{http1, http2};
 use hyper::service::service_fn;
@@ -290,6 +292,14 @@ async fn answer(
         }
     };
     let path = request.uri().path().to_owned();
+    if let Some((status, text)) = form::wrong(&request, peer.gate.web.is_some()) {
+        let mut refused = peer.gate.refuse(peer.address, caller.as_ref(), &path, Refusal::UnknownCall(text.to_owned()));
+        *refused.status_mut() = status;
+        if status == StatusCode::METHOD_NOT_ALLOWED {
+            refused.headers_mut().insert(ALLOW, HeaderValue::from_static("POST"));
+        }
+        return Ok(refused.map(|body| Held::new(body, call, None, None)));
+    }
     let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
     let mut stay = None;
     let answered = async {

@@ -1,8 +1,13 @@
 //! gRPC-Web over HTTP/1.1.
 
+use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
+use http::Method;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
+use tonic::body::Body;
+use tonic::transport::Endpoint;
+use tower_service::Service as _;
 
 use crate::guarded::*;
 use crate::support::*;
@@ -56,5 +61,35 @@ async fn grpc_web_is_spoken_only_where_it_was_switched_on() {
     assert!(!answer.contains("grpc-status: 0") && !answer.contains("grpc-status:0"), "{answer}");
     // HTTP/2 on the same port is served as before.
     As::new(&server, &token).list().await;
+    server.stop().await;
+}
+
+/// What a page in a browser can send by HTTP/2 without asking first.
+#[tokio::test]
+async fn a_request_that_is_no_grpc_call_reaches_no_service() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let endpoint = Endpoint::from_shared(format!("http://{}", server.handle.address())).unwrap();
+    let mut connection = endpoint.connect().await.unwrap();
+    let drain = "/counterpoint.v1.Admin/Drain";
+    let mut send = async |method: &Method, path: &str, kind: &str| {
+        let request = http::Request::builder().method(method).uri(path).header("origin", "https://evil.example");
+        let request = request.header("content-type", kind).body(Body::empty()).unwrap();
+        std::future::poll_fn(|cx| connection.poll_ready(cx)).await.unwrap();
+        connection.call(request).await.unwrap()
+    };
+    for kind in ["text/plain", "application/json", "application/grpc-web+proto", ""] {
+        for path in [drain, "/grpc.health.v1.Health/Check", "/nothing"] {
+            let answer = send(&Method::POST, path, kind).await;
+            assert_eq!(answer.status(), 415, "{path} {kind}");
+            assert_eq!(answer.headers()["grpc-status"], "12", "{path} {kind}");
+        }
+    }
+    for method in [Method::GET, Method::PUT, Method::OPTIONS] {
+        let answer = send(&method, drain, "application/grpc").await;
+        assert_eq!((answer.status().as_u16(), &answer.headers()["allow"]), (405, &"POST".parse().unwrap()), "{method}");
+    }
+    // Nothing was drained.
+    server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap();
     server.stop().await;
 }
