@@ -152,8 +152,8 @@ impl Doctor {
             let files = self.store.logs(&record.id);
             let path = if files.segments.is_file() { files.segments.clone() } else { files.plain.clone() };
             let kept = match files.there() {
-                true => Ok(Some(Kept::Files(files))),
-                false => checkup.log(&record.id).map(|log| log.map(Kept::Ledger)),
+                true => Ok(Some(Kept::in_files(&record.id, files))),
+                false => checkup.log(&record.id).map(|log| log.map(|log| Kept::in_ledger(&record.id, log))),
             };
             match kept {
                 Err(Refusal::DataLoss(text)) => self.lasting(self.store.ledger(), text, again),
@@ -161,8 +161,8 @@ impl Doctor {
                 Ok(None) => self.lasting(path, "the log of an ended job is gone", again),
                 Ok(Some(kept)) => {
                     if let Some(error) = damage_of_log(&kept, record.events)? {
-                        let path = if matches!(kept, Kept::Files(_)) { path } else { self.store.ledger() };
-                        self.lasting(path, format!("job '{}': {error}", record.id), again);
+                        let path = if kept.is_in_files() { path } else { self.store.ledger() };
+                        self.lasting(path, error.to_string(), again);
                     }
                 }
             }

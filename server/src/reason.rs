@@ -186,6 +186,14 @@ impl Refusal {
         Self::InvalidField { field: field.into(), text: text.into() }
     }
 
+    /// The same, in which lost data names the job that needs it.
+    pub(crate) fn of_job(self, id: &str) -> Self {
+        match self {
+            Self::DataLoss(text) if !text.contains(id) => Self::DataLoss(format!("job '{id}': {text}")),
+            other => other,
+        }
+    }
+
     /// A quota that is reached.
     pub(crate) fn quota(tenant: &str, quota: &'static str, limit: u64, text: String) -> Self {
         Self::Quota { tenant: tenant.to_owned(), quota, limit, text }

@@ -309,7 +309,7 @@ impl Live {
     /// The log of a job that has ended, if it is small.
     pub(crate) fn small_log(&self) -> Option<Kept> {
         let log = self.finished.get().filter(|_| self.state().ended())?.log.clone();
-        log.map(Kept::Ledger)
+        log.map(|log| Kept::in_ledger(&self.id, log))
     }
 
     pub(crate) fn keep(&self, finished: Arc<Finished>) {

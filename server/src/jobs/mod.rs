@@ -303,7 +303,7 @@ impl Core {
         }
         match self.logs.kept(id) {
             Some(kept) => Ok(Some(kept)),
-            None => Ok(self.ledger.log(id)?.map(Kept::Ledger)),
+            None => Ok(self.ledger.log(id)?.map(|log| Kept::in_ledger(id, log))),
         }
     }
 

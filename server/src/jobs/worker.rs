@@ -248,7 +248,8 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     live.prepared(Run { info: info.clone(), control: control.clone() });
     if core.options.embedded.log {
         let head = description(&info).encode_to_vec();
-        live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail().clone(), &info, &head));
+        let place = core.logs.begin(&live.id)?;
+        live.begin_log(Writer::new(&live.id, place, live.tail().clone(), &info, &head));
     }
     let results = ResultsBuilder::new(&info);
     let results = if core.options.embedded.toolpath { results } else { results.without_toolpath() };

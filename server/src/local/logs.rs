@@ -24,6 +24,7 @@ impl Logs for Store {
         self.remove_log(id)?;
         let place = LogFile {
             disk: self.disk().clone(),
+            job: id.to_owned(),
             files: self.logs(id),
             durable: self.durable(),
             file: None,
@@ -33,7 +34,7 @@ impl Logs for Store {
     }
 
     fn kept(&self, id: &str) -> Option<Kept> {
-        Some(self.logs(id)).filter(Files::there).map(Kept::Files)
+        Some(self.logs(id)).filter(Files::there).map(|files| Kept::in_files(id, files))
     }
 
     fn remove_log(&self, id: &str) -> io::Result<()> {
@@ -49,7 +50,7 @@ impl Logs for Store {
     }
 
     fn open(&self, id: &str, name: &str) -> io::Result<Box<dyn Read + Send>> {
-        Ok(Box::new(spare::whole(File::open(self.job(id).join(name))?)?))
+        Ok(Box::new(spare::whole(File::open(self.job(id).join(name))?, id, name)?))
     }
 
     fn sync(&self, id: &str) -> io::Result<()> {
@@ -69,6 +70,7 @@ impl Logs for Store {
 #[derive(Debug)]
 struct LogFile {
     disk: Disk,
+    job: String,
     files: Files,
     durable: bool,
     file: Option<Written>,
@@ -80,7 +82,7 @@ impl LogFile {
     fn pack_to(&self, segments: &Path) -> io::Result<(Written, u64)> {
         let mut packed = self.disk.create(segments)?;
         let mut plain = BufReader::with_capacity(READ, self.disk.open(&self.files.plain)?);
-        let bytes = segments::pack(&mut plain, &mut packed)?;
+        let bytes = segments::pack(&self.job, &mut plain, &mut packed)?;
         Ok((packed, bytes))
     }
 
@@ -172,7 +174,7 @@ impl Host for Store {
 mod tests {
     use super::*;
     use crate::log::reader::Reader;
-    use crate::log::reader::tests::plain;
+    use crate::log::reader::tests::{earlier, plain};
 
     /// Numbers of the events after a cursor, up to the end.
     fn events(kept: &Kept, after: u64) -> Vec<u64> {
@@ -188,7 +190,7 @@ mod tests {
     fn a_log_reads_the_same_plain_sealed_and_while_both_are_there() {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
-        let (log, files) = (plain(30_000), store.logs("j"));
+        let (log, files) = (plain("j", 30_000), store.logs("j"));
         let mut place = Logs::begin(&store, "j").unwrap();
         place.write(&log).unwrap();
         // As a server that did not compress has left it.
@@ -207,5 +209,32 @@ mod tests {
         assert_eq!((read(), kept.length().unwrap()), (expected, log.len() as u64));
         let place = Logs::begin(&store, "j").unwrap();
         assert!(store.kept("j").is_none() && !place.used(), "a run begins without the log of the run before it");
+    }
+
+    #[test]
+    fn a_log_is_read_as_that_of_its_own_job_only() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
+        let read = |job: &str| {
+            let mut reader = Reader::open_ended(&store.kept(job).unwrap(), 0)?;
+            while reader.next_batch()?.is_some() {}
+            Ok::<(), io::Error>(())
+        };
+        for (form, log, found_by_others) in [("new", plain("a", 3000), false), ("earlier", earlier(3000), true)] {
+            for packed in [false, true] {
+                let mut place = Logs::begin(&store, "a").unwrap();
+                place.write(&log).unwrap();
+                if packed {
+                    place.pack().unwrap();
+                    place.seal().unwrap();
+                }
+                read("a").unwrap();
+                let _ = std::fs::remove_dir_all(store.job("b"));
+                std::fs::rename(store.job("a"), store.job("b")).unwrap();
+                let read = read("b");
+                assert_eq!(read.is_ok(), found_by_others, "{form}, packed: {packed}");
+                assert!(read.is_ok() || read.unwrap_err().to_string().contains("job 'b'"));
+            }
+        }
     }
 }

@@ -174,7 +174,7 @@ impl Store {
     /// durable by [`sync_job`](Self::sync_job).
     pub(crate) fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
         let mut file = self.temporary()?;
-        file.write_all(&spare::head(content))?;
+        file.write_all(&spare::head(id, name, content))?;
         file.write_all(content)?;
         if self.durable {
             file.sync()?;
@@ -186,7 +186,7 @@ impl Store {
     /// Same without fsync, for files that can be made again.
     pub(crate) fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
         let mut file = self.temporary()?;
-        file.write_all(&spare::head(content))?;
+        file.write_all(&spare::head(id, name, content))?;
         file.write_all(content)?;
         self.disk.create_folder(&self.job(id))?;
         file.place(&self.job(id).join(name))
@@ -198,7 +198,7 @@ impl Store {
     /// Of kind `InvalidData` when it is not whole.
     pub(crate) fn read(&self, id: &str, name: &str) -> io::Result<Vec<u8>> {
         let (mut content, path) = (Vec::new(), self.job(id).join(name));
-        spare::whole(self.disk.open(&path)?)?.read_to_end(&mut content)?;
+        spare::whole(self.disk.open(&path)?, id, name)?.read_to_end(&mut content)?;
         Ok(content)
     }
 

@@ -7,14 +7,21 @@ use std::fmt::Debug;
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use bytes::Bytes;
 
 use super::segments::Segments;
 
-/// A log to be read.
+/// A log to be read, and its job.
 #[derive(Debug, Clone)]
-pub(crate) enum Kept {
+pub(crate) struct Kept {
+    pub(crate) job: Arc<str>,
+    place: Place,
+}
+
+#[derive(Debug, Clone)]
+enum Place {
     Files(Files),
     Ledger(Bytes),
 }
@@ -89,10 +96,24 @@ impl Files {
 }
 
 impl Kept {
+    /// One in files.
+    pub(crate) fn in_files(job: &str, files: Files) -> Self {
+        Self { job: job.into(), place: Place::Files(files) }
+    }
+
+    /// One in the ledger.
+    pub(crate) fn in_ledger(job: &str, log: Bytes) -> Self {
+        Self { job: job.into(), place: Place::Ledger(log) }
+    }
+
+    pub(crate) fn is_in_files(&self) -> bool {
+        matches!(self.place, Place::Files(_))
+    }
+
     pub(crate) fn open(&self) -> io::Result<Box<dyn Input>> {
-        match self {
-            Self::Files(files) => files.open(),
-            Self::Ledger(bytes) => Ok(Box::new(Cursor::new(bytes.clone()))),
+        match &self.place {
+            Place::Files(files) => files.open(),
+            Place::Ledger(bytes) => Ok(Box::new(Cursor::new(bytes.clone()))),
         }
     }
 
@@ -101,9 +122,9 @@ impl Kept {
     /// # Errors
     /// When its file is damaged or cannot be read.
     pub(crate) fn length(&self) -> io::Result<u64> {
-        match self {
-            Self::Files(files) => files.length(),
-            Self::Ledger(bytes) => Ok(bytes.len() as u64),
+        match &self.place {
+            Place::Files(files) => files.length(),
+            Place::Ledger(bytes) => Ok(bytes.len() as u64),
         }
     }
 }

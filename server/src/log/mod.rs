@@ -2,7 +2,7 @@
 //! a large one is compressed when its run is over (`segments`).
 //!
 //! File: a head (magic, then the job's description), then records. A record is 24 bytes of frame (length, CRC-32, first
-//! and last sequence number, little-endian) and one encoded `EventBatch`. Batches end at 256 events or 32 KiB: never a
+//! and last sequence number, little-endian) and one encoded `EventBatch`. Every CRC-32 begins with the id of the job. Batches end at 256 events or 32 KiB: never a
 //! bare event per message (HTTP/2 flood guards), never one too large for a small reader. Invariant: the bytes in the
 //! file are the bytes a watcher gets; committed bytes never change while the job lives. A second run of the same job
 //! writes the same events, though batches may be cut elsewhere.
@@ -10,16 +10,20 @@
 use std::fmt::Debug;
 use std::io;
 
+use sums::Sums;
+
 #[cfg(test)]
 mod codec_tests;
 #[cfg(test)]
 mod contract_tests;
+pub(crate) mod damage;
 pub(crate) mod decode;
 pub mod encode;
 pub(crate) mod filter;
 pub(crate) mod kept;
 pub(crate) mod reader;
 pub(crate) mod segments;
+pub(crate) mod sums;
 pub(crate) mod tail;
 pub(crate) mod writer;
 
@@ -53,8 +57,16 @@ pub(crate) trait Logs: Send + Sync + Debug {
     fn jobs(&self) -> io::Result<Vec<String>>;
 }
 
-/// First bytes of a log file; the last digit is the version of the form.
-pub(crate) const MAGIC: &[u8; 8] = b"CPLOG\0\0\x01";
+/// First bytes of a log file; the last digit is the version of the form. The checksums of an earlier one do not begin with
+/// the job.
+pub(crate) const MAGIC: &[u8; 8] = b"CPLOG\0\0\x02";
+pub(crate) const EARLIER_MAGIC: &[u8; 8] = b"CPLOG\0\0\x01";
+
+/// Whether a content begins as a log does, of this form or an earlier one.
+pub(crate) fn is_log(content: &[u8]) -> bool {
+    content.starts_with(MAGIC) || content.starts_with(EARLIER_MAGIC)
+}
+
 /// Bytes of a record's frame.
 pub(crate) const FRAME: usize = 24;
 /// Most events of a batch.
@@ -74,8 +86,8 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    pub(crate) fn of(body: &[u8], first: u64, last: u64) -> Self {
-        Self { length: body.len() as u32, crc: crc32fast::hash(body), first, last }
+    pub(crate) fn of(sums: Sums, body: &[u8], first: u64, last: u64) -> Self {
+        Self { length: body.len() as u32, crc: sums.of_content(body), first, last }
     }
 
     pub(crate) fn to_bytes(self) -> [u8; FRAME] {

@@ -3,13 +3,16 @@
 //! Invariant: a reader holds no lock and no more than one piece of the file; a slow one costs nothing but that.
 
 use std::io::{self, Read, Seek, SeekFrom};
+use std::sync::Arc;
 
 use bytes::{Buf, Bytes, BytesMut};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_proto::v1::JobDescription;
 use prost::Message as _;
 
+use super::damage::{cut_short, damage, of_job};
 use super::kept::{Input, Kept};
+use super::sums::Sums;
 use super::{FRAME, Frame, MAGIC, RECORD_MAX, decode, encode};
 
 /// Bytes read at once. A client that does not read holds the piece of its last batch.
@@ -21,13 +24,22 @@ pub(crate) struct Batch {
     pub(crate) first: u64,
     pub(crate) last: u64,
     pub(crate) body: Bytes,
-    /// Where its record lies in the file.
-    pub(crate) at: u64,
+    /// Its record in the file.
+    pub(crate) spot: Spot,
+}
+
+/// A record of a log, from which reading can continue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Spot {
+    at: u64,
+    sums: Sums,
 }
 
 /// A place in a log.
 #[derive(Debug)]
 pub(crate) struct Reader {
+    job: Arc<str>,
+    sums: Sums,
     file: Box<dyn Input>,
     description: JobDescription,
     /// Bytes read and not yet handed out.
@@ -39,20 +51,13 @@ pub(crate) struct Reader {
     after: u64,
 }
 
-/// An error with the way out.
-pub(crate) fn damage(what: &str) -> io::Error {
-    let text = format!("the event log is damaged: {what}; submit the job again, the same job gives the same log");
-    io::Error::new(io::ErrorKind::InvalidData, text)
-}
-
-/// The log ends before its last event.
-pub(crate) fn cut_short(last: u64, expected: u64) -> io::Error {
-    damage(&format!("it ends at event {last} of {expected}"))
-}
-
 impl Reader {
     /// Opens a log whose head has been written; batches up to number `after` are skipped.
     pub(crate) fn open(log: &Kept, after: u64) -> io::Result<Self> {
+        Self::at_head(log, after).map_err(|error| of_job(error, &log.job))
+    }
+
+    fn at_head(log: &Kept, after: u64) -> io::Result<Self> {
         let mut file = log.open()?;
         let mut head = [0; MAGIC.len() + FRAME];
         let cut = |error: io::Error| match error.kind() {
@@ -60,10 +65,12 @@ impl Reader {
             _ => error,
         };
         file.read_exact(&mut head).map_err(cut)?;
-        let frame = head.strip_prefix(MAGIC).and_then(Frame::read).ok_or_else(|| damage("its head is not one"))?;
+        let (magic, frame) = head.split_at(MAGIC.len());
+        let known = Sums::of_magic(&log.job, magic).zip(Frame::read(frame));
+        let (sums, frame) = known.ok_or_else(|| damage("its head is not one"))?;
         let mut description = vec![0; (frame.length as usize).min(RECORD_MAX)];
         file.read_exact(&mut description).map_err(cut)?;
-        if crc32fast::hash(&description) != frame.crc || description.len() != frame.length as usize {
+        if sums.of_content(&description) != frame.crc || description.len() != frame.length as usize {
             return Err(damage("its description has a wrong checksum"));
         }
         let description =
@@ -74,21 +81,21 @@ impl Reader {
         {
             read = file.seek(SeekFrom::Start(place))?;
         }
-        Ok(Self { file, description, piece: BytesMut::new(), read, limit: read, after })
+        Ok(Self { job: log.job.clone(), sums, file, description, piece: BytesMut::new(), read, limit: read, after })
     }
 
     /// Opens a log again at a record; its description is not read.
-    pub(crate) fn resume(log: &Kept, at: u64, after: u64) -> io::Result<Self> {
-        let mut file = log.open()?;
+    pub(crate) fn resume(log: &Kept, Spot { at, sums }: Spot, after: u64) -> io::Result<Self> {
+        let mut file = log.open().map_err(|error| of_job(error, &log.job))?;
         file.seek(SeekFrom::Start(at))?;
-        let description = JobDescription::default();
-        Ok(Self { file, description, piece: BytesMut::new(), read: at, limit: at, after })
+        let (job, description) = (log.job.clone(), JobDescription::default());
+        Ok(Self { job, sums, file, description, piece: BytesMut::new(), read: at, limit: at, after })
     }
 
     /// Opens an ended log, to be read to the end of the file.
     pub(crate) fn open_ended(log: &Kept, after: u64) -> io::Result<Self> {
         let mut reader = Self::open(log, after)?;
-        reader.limit = log.length()?;
+        reader.limit = log.length().map_err(|error| of_job(error, &log.job))?;
         Ok(reader)
     }
 
@@ -114,6 +121,10 @@ impl Reader {
 
     /// Next batch after the cursor; `None` at the end of the readable part.
     pub(crate) fn next_batch(&mut self) -> io::Result<Option<Batch>> {
+        self.batch().map_err(|error| of_job(error, &self.job))
+    }
+
+    fn batch(&mut self) -> io::Result<Option<Batch>> {
         loop {
             if !self.fill(FRAME)? {
                 return Ok(None);
@@ -130,17 +141,17 @@ impl Reader {
             if !self.fill(FRAME + length)? {
                 return Ok(None);
             }
-            let at = self.read - self.piece.len() as u64;
+            let spot = Spot { at: self.read - self.piece.len() as u64, sums: self.sums };
             self.piece.advance(FRAME);
             let body = self.piece.split_to(length).freeze();
-            if crc32fast::hash(&body) != frame.crc || !decode::spans(&body, frame.first, frame.last) {
+            if self.sums.of_content(&body) != frame.crc || !decode::spans(&body, frame.first, frame.last) {
                 return Err(damage("a checksum is wrong"));
             }
             if frame.first > self.after.saturating_add(1) {
                 return Err(damage(&format!("events {} to {} are missing", self.after + 1, frame.first - 1)));
             }
             let after = std::mem::replace(&mut self.after, frame.last);
-            let batch = Batch { first: frame.first, last: frame.last, body, at };
+            let batch = Batch { first: frame.first, last: frame.last, body, spot };
             return Ok(Some(if frame.first <= after { behind(batch, after) } else { batch }));
         }
     }
@@ -187,7 +198,7 @@ fn behind(batch: Batch, after: u64) -> Batch {
     encode::varint_field(&mut body, 1, after + 1);
     encode::varint_field(&mut body, 2, batch.last);
     decode::events(&batch.body).filter(|event| decode::seq(event) > after).for_each(|e| encode::encoded(&mut body, e));
-    Batch { first: after + 1, last: batch.last, body: Bytes::from(body), at: batch.at }
+    Batch { first: after + 1, last: batch.last, body: Bytes::from(body), spot: batch.spot }
 }
 
 /// All events of an ended log, decoded. Ends early on damage, which [`Events::error`] then tells.
@@ -212,11 +223,13 @@ impl Events {
 
     fn load(&mut self) -> io::Result<bool> {
         let Some(batch) = self.reader.next_batch()? else {
-            return if self.last < self.expected { Err(cut_short(self.last, self.expected)) } else { Ok(false) };
+            let job = &self.reader.job;
+            return if self.last < self.expected { Err(cut_short(job, self.last, self.expected)) } else { Ok(false) };
         };
         self.last = batch.last;
         let events: Option<Vec<_>> = decode::events(&batch.body).map(decode::event).collect();
-        self.batch = events.ok_or_else(|| damage("an event cannot be read"))?.into_iter();
+        let unreadable = || of_job(damage("an event cannot be read"), &self.reader.job);
+        self.batch = events.ok_or_else(unreadable)?.into_iter();
         Ok(true)
     }
 }
@@ -245,13 +258,22 @@ impl Iterator for Events {
 pub(crate) mod tests {
     use super::*;
     use crate::log::codec_tests;
-    use crate::log::{BATCH_EVENTS, encode};
+    use crate::log::{BATCH_EVENTS, EARLIER_MAGIC, encode};
 
-    /// A plain log of this many events.
-    pub(crate) fn plain(events: u64) -> Vec<u8> {
+    /// The plain log of a job, of this many events.
+    pub(crate) fn plain(job: &str, events: u64) -> Vec<u8> {
+        of_form(MAGIC, Sums::of_log(job), events)
+    }
+
+    /// Same, as an earlier version wrote it.
+    pub(crate) fn earlier(events: u64) -> Vec<u8> {
+        of_form(EARLIER_MAGIC, Sums::EARLIER, events)
+    }
+
+    fn of_form(magic: &[u8], sums: Sums, events: u64) -> Vec<u8> {
         let description = JobDescription::default().encode_to_vec();
-        let mut log = MAGIC.to_vec();
-        log.extend(Frame::of(&description, 0, 0).to_bytes());
+        let mut log = magic.to_vec();
+        log.extend(Frame::of(sums, &description, 0, 0).to_bytes());
         log.extend(&description);
         let kinds = codec_tests::events();
         let mut first = 1;
@@ -261,7 +283,7 @@ pub(crate) mod tests {
             encode::varint_field(&mut body, 1, first);
             (first..=last).zip(kinds.iter().cycle()).for_each(|(seq, event)| encode::event(&mut body, seq, event, 4));
             encode::varint_field(&mut body, 2, last);
-            log.extend(Frame::of(&body, first, last).to_bytes());
+            log.extend(Frame::of(sums, &body, first, last).to_bytes());
             log.extend(&body);
             first = last + 1;
         }

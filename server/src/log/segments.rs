@@ -10,7 +10,8 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use super::reader::damage;
+use super::damage::damage;
+use super::sums::Sums;
 use super::{FRAME, Frame, MAGIC as LOG, RECORD_MAX};
 
 const MAGIC: &[u8; 8] = b"CPSEG\0\0\x01";
@@ -108,11 +109,11 @@ impl Packer<'_> {
     }
 }
 
-/// Writes the compressed form of a plain log that has ended; returns its bytes.
+/// Writes the compressed form of the plain log of a job that has ended; returns its bytes.
 ///
 /// # Errors
 /// When the log cannot be read to its end or is damaged, or when the other file cannot be written.
-pub(crate) fn pack(log: &mut dyn Read, out: &mut dyn Write) -> io::Result<u64> {
+pub(crate) fn pack(job: &str, log: &mut dyn Read, out: &mut dyn Write) -> io::Result<u64> {
     let mut packer = Packer {
         out,
         written: 0,
@@ -125,9 +126,7 @@ pub(crate) fn pack(log: &mut dyn Read, out: &mut dyn Write) -> io::Result<u64> {
     packer.write(MAGIC)?;
     let mut magic = [0; LOG.len()];
     log.read_exact(&mut magic)?;
-    if &magic != LOG {
-        return Err(damage("its head is not one"));
-    }
+    let sums = Sums::of_magic(job, &magic).ok_or_else(|| damage("its head is not one"))?;
     packer.segment.extend_from_slice(&magic);
     // The head, then every record.
     let mut frame = [0; FRAME];
@@ -141,7 +140,7 @@ pub(crate) fn pack(log: &mut dyn Read, out: &mut dyn Write) -> io::Result<u64> {
         let body = packer.segment.len();
         packer.segment.resize(body + read.length as usize, 0);
         log.read_exact(packer.segment.get_mut(body..).unwrap_or_default())?;
-        if crc32fast::hash(packer.segment.get(body..).unwrap_or_default()) != read.crc {
+        if sums.of_content(packer.segment.get(body..).unwrap_or_default()) != read.crc {
             return Err(damage("a checksum is wrong"));
         }
         if packer.entries.is_empty() || packer.segment.len() >= SEGMENT {
@@ -332,8 +331,8 @@ mod tests {
 
     /// A log of this many events and its compressed form.
     fn both(events: u64) -> (Vec<u8>, Vec<u8>) {
-        let (plain, mut packed) = (plain(events), Vec::new());
-        assert_eq!(pack(&mut plain.as_slice(), &mut packed).unwrap(), packed.len() as u64);
+        let (plain, mut packed) = (plain("j", events), Vec::new());
+        assert_eq!(pack("j", &mut plain.as_slice(), &mut packed).unwrap(), packed.len() as u64);
         (plain, packed)
     }
 
@@ -397,6 +396,7 @@ mod tests {
         }
         let mut bad = plain.clone();
         bad[plain.len() - 9] ^= 0x55;
-        assert!(pack(&mut bad.as_slice(), &mut Vec::new()).is_err(), "a damaged log is not packed");
+        assert!(pack("j", &mut bad.as_slice(), &mut Vec::new()).is_err(), "a damaged log is not packed");
+        assert!(pack("k", &mut plain.as_slice(), &mut Vec::new()).is_err(), "nor is that of another job");
     }
 }

@@ -13,6 +13,7 @@ use bytes::Bytes;
 use counterpoint_kernel::log::event::{Event, MAX_AXES};
 use counterpoint_kernel::log::info::Info;
 
+use super::sums::Sums;
 use super::tail::Tail;
 use super::{BATCH_BYTES, BATCH_EVENTS, FRAME, Frame, MAGIC, encode};
 
@@ -57,6 +58,7 @@ pub(crate) struct Small {
 #[derive(Debug)]
 pub(crate) struct Writer {
     place: Box<dyn Place>,
+    sums: Sums,
     tail: Arc<Tail>,
     /// Axes by channel number.
     axes: Vec<usize>,
@@ -70,8 +72,9 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// Begins a log at a place. The encoded description of the job is its head.
-    pub(crate) fn new(place: Box<dyn Place>, tail: Arc<Tail>, info: &Info, description: &[u8]) -> Self {
+    /// Begins the log of a job at a place. The encoded description of the job is its head.
+    pub(crate) fn new(job: &str, place: Box<dyn Place>, tail: Arc<Tail>, info: &Info, description: &[u8]) -> Self {
+        let sums = Sums::of_log(job);
         let mut axes = Vec::new();
         for channel in &info.channels {
             let number = usize::from(channel.number);
@@ -85,9 +88,9 @@ impl Writer {
         // It grows with its log: most are small.
         let mut buffer = Vec::with_capacity(SMALL / 2);
         buffer.extend_from_slice(MAGIC);
-        buffer.extend_from_slice(&Frame::of(description, 0, 0).to_bytes());
+        buffer.extend_from_slice(&Frame::of(sums, description, 0, 0).to_bytes());
         buffer.extend_from_slice(description);
-        Self { place, tail, axes, buffer, open: None, bytes: 0, last_seq: 0, written: Instant::now() }
+        Self { place, sums, tail, axes, buffer, open: None, bytes: 0, last_seq: 0, written: Instant::now() }
     }
 
     /// Appends events in log order.
@@ -153,7 +156,7 @@ impl Writer {
     fn close_record(&mut self) {
         let Some((start, first)) = self.open.take() else { return };
         encode::varint_field(&mut self.buffer, 2, self.last_seq);
-        let frame = Frame::of(self.buffer.get(start + FRAME..).unwrap_or_default(), first, self.last_seq);
+        let frame = Frame::of(self.sums, self.buffer.get(start + FRAME..).unwrap_or_default(), first, self.last_seq);
         if let Some(slot) = self.buffer.get_mut(start..start + FRAME) {
             slot.copy_from_slice(&frame.to_bytes());
         }

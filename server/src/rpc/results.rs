@@ -21,8 +21,8 @@ use crate::Record;
 use crate::access::Caller;
 use crate::jobs::{Core, Sandbox, worker};
 use crate::ledger::record::State;
+use crate::log::damage::gone;
 use crate::log::kept::Kept;
-use crate::log::reader::damage;
 use crate::reason::Refusal;
 use crate::results::{Document, Form, Source};
 
@@ -164,7 +164,7 @@ async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Vec<(S
             None if record.runs.has_files => {
                 return Err(lost_files(&id));
             }
-            None if core.kept_log(&id)?.is_some() => return Ok(Vec::new()),
+            None if !record.log_digest.is_empty() => return Ok(Vec::new()),
             None => return Err(Refusal::NoResults(id)),
         };
         serde_json::from_slice(&text).map_err(|error| Refusal::Storage(error.to_string()))
@@ -213,12 +213,12 @@ struct Ended {
 
 impl Ended {
     async fn load(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Self, Refusal> {
-        let (core, caller) = (core.clone(), caller.clone());
-        blocking(move || {
+        let (core, caller, job) = (core.clone(), caller.clone(), id.clone());
+        let loaded = blocking(move || {
             let record = ended(&core, &caller, &id)?;
             let Some(log) = core.kept_log(&id)? else {
                 let lost = record.events > 0 && core.options.embedded.log;
-                return Err(if lost { damage("it is gone").into() } else { Refusal::NoResults(id) });
+                return Err(if lost { gone(&id).into() } else { Refusal::NoResults(id) });
             };
             let mut work = core.work(&id)?;
             let sandbox = Sandbox::new(core.blobs.of(&record.tenant), std::mem::take(&mut work.files));
@@ -226,13 +226,16 @@ impl Ended {
                 Some(info) => info,
                 None => match worker::prepare(&core, &record, work, &sandbox, &Stop::default())? {
                     Ok(prepared) => prepared.info().clone(),
-                    Err(_) => return Err(Refusal::NoResults(id)),
+                    Err(_) => {
+                        sandbox.trouble()?;
+                        return Err(Refusal::NoResults(id));
+                    }
                 },
             };
             load_texts(&info, &sandbox);
             Ok(Self { core, record, info, log })
-        })
-        .await
+        });
+        loaded.await.map_err(|refusal| refusal.of_job(&job))
     }
 
     fn source(&self) -> Source<'_> {

@@ -24,9 +24,10 @@ use crate::jobs::live::Live;
 use crate::jobs::progress;
 use crate::jobs::streams::Listed;
 use crate::ledger::record::State;
+use crate::log::damage::{cut_short, gone};
 use crate::log::filter::Filter;
 use crate::log::kept::Kept;
-use crate::log::reader::{Batch, Reader, cut_short};
+use crate::log::reader::{Batch, Reader, Spot};
 use crate::log::tail::Position;
 use crate::reason::Refusal;
 
@@ -68,7 +69,7 @@ pub(super) struct Watch {
     /// Reads since the client stood still.
     kept_pace: u32,
     /// Where the log is to be read on after the client stood still.
-    resume: Option<u64>,
+    resume: Option<Spot>,
     described: bool,
     /// Logs that the job has dropped, as far as known.
     dropped: u32,
@@ -195,7 +196,7 @@ impl Watch {
                 let keeps_pace = out.try_reserve().is_ok();
                 if !keeps_pace {
                     if tokio::time::timeout(STALL, out.reserve()).await.is_err() {
-                        self.resume = Some(batch.at);
+                        self.resume = Some(batch.spot);
                         break;
                     }
                     // A part of a piece of the log would hold the whole piece for as long as the client takes nothing.
@@ -284,7 +285,11 @@ impl Watch {
             return Err(Refusal::CursorBeyondLog { after: self.cursor, last: position.last_seq }.into());
         }
         if self.cursor < position.last_seq && self.level > v1::WatchLevel::Progress {
-            return Err(Refusal::from(cut_short(self.cursor, position.last_seq)).into());
+            let (core, id, cursor) = (self.core.clone(), self.live.id.clone(), self.cursor);
+            let there = blocking(move || Ok(core.kept_log(&id)?.is_some())).await?;
+            let id = &self.live.id;
+            let error = if there { cut_short(id, cursor, position.last_seq) } else { gone(id) };
+            return Err(Refusal::from(error).into());
         }
         self.progress(out, true).await?;
         send(out, Content::Ended(status(record))).await
@@ -292,9 +297,9 @@ impl Watch {
 }
 
 /// Opens a log at a place, or after an event; none if it has just been dropped.
-fn open(log: &Kept, resume: Option<u64>, after: u64) -> Result<Option<Reader>, Refusal> {
+fn open(log: &Kept, resume: Option<Spot>, after: u64) -> Result<Option<Reader>, Refusal> {
     let opened = match resume {
-        Some(at) => Reader::resume(log, at, after),
+        Some(spot) => Reader::resume(log, spot, after),
         None => Reader::open(log, after),
     };
     match opened {

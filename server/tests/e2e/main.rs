@@ -23,6 +23,7 @@ mod doctor;
 mod door;
 #[cfg(target_os = "linux")]
 mod each_step;
+mod exchanged;
 #[cfg(target_os = "linux")]
 mod faults;
 mod find;

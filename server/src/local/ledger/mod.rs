@@ -33,7 +33,7 @@ use super::contained::contained;
 use super::store::Store;
 use crate::ledger::record::{Record, Work};
 use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage, time_of};
-use crate::log::reader::damage;
+use crate::log::damage::{damage, of_job};
 use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
@@ -74,7 +74,7 @@ fn logged(id: &str, row: &[u8]) -> Result<Bytes, Refusal> {
     let content = seal::content(LOG.name(), id, row);
     content
         .map(Bytes::copy_from_slice)
-        .ok_or_else(|| damage(&format!("its row of job '{id}' has a wrong checksum")).into())
+        .ok_or_else(|| of_job(damage("its row in the ledger has a wrong checksum"), id).into())
 }
 
 /// A number for a tenant; 0 for the server itself, whose name is empty.

@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::storage;
-use crate::log::MAGIC;
+use crate::log::is_log;
 use crate::reason::Refusal;
 
 /// First byte of a sealed row.
@@ -44,7 +44,7 @@ pub(super) fn bytes(table: &str, key: &str, content: &[u8]) -> Vec<u8> {
 
 /// Whether a row has no seal because it was written before there were any.
 pub(super) fn is_plain(row: &[u8]) -> bool {
-    row.first() == Some(&b'{') || row.starts_with(MAGIC)
+    row.first() == Some(&b'{') || is_log(row)
 }
 
 /// The content of a row; none if it is not the one that was stored.
