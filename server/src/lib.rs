@@ -24,6 +24,7 @@ mod metrics;
 mod net;
 pub mod notify;
 pub mod options;
+pub mod output;
 mod pace;
 mod places;
 mod process;
@@ -34,6 +35,7 @@ mod rpc;
 pub mod runner;
 pub mod service;
 mod spans;
+pub mod start_threads;
 mod tenant;
 mod trace;
 

@@ -1,7 +1,5 @@
 //! `counterpointd`: settings, build, announce, serve, drain; also examines a folder without a server.
 
-#![allow(clippy::print_stdout, clippy::print_stderr)]
-
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -12,7 +10,8 @@ use counterpoint_server::backup::{self, Contents};
 use counterpoint_server::doctor;
 use counterpoint_server::notify::Manager;
 use counterpoint_server::options::{Flags, Options};
-use counterpoint_server::service;
+use counterpoint_server::output::{self, Lossy};
+use counterpoint_server::{service, start_threads};
 
 /// The Counterpoint server: runs NC programs as the control would
 #[derive(Debug, Parser)]
@@ -100,20 +99,21 @@ fn run(command: &Command, options: &Options) -> ExitCode {
         Command::Doctor { data: own, repair } => return examine(own.as_deref().unwrap_or(data), *repair),
         Command::Backup { to, data: own } => {
             keep_private();
-            backup::backup(own.as_deref().unwrap_or(data), to).map(|Contents { jobs, blobs, left_out }| {
-                println!("{jobs} jobs, {blobs} blobs, {left_out} jobs left out: {}", to.display());
+            backup::backup(own.as_deref().unwrap_or(data), to).and_then(|Contents { jobs, blobs, left_out }| {
+                let to = to.display();
+                output::line(format_args!("{jobs} jobs, {blobs} blobs, {left_out} jobs left out: {to}"))
             })
         }
         Command::Restore { from, damaged, data: own } => {
             keep_private();
             let to = own.as_deref().unwrap_or(data);
-            backup::restore(from, to, *damaged).map(|()| println!("restored: {}", to.display()))
+            backup::restore(from, to, *damaged).and_then(|()| output::line(format_args!("restored: {}", to.display())))
         }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("counterpointd: {error}");
+            output::failure(format_args!("counterpointd: {error}"));
             ExitCode::from(3)
         }
     }
@@ -125,12 +125,10 @@ fn new_token(name: &str, tenant: &str, role: Role, days: Option<u64>, access: &P
     let expires_s = days.map(|days| now.saturating_add(days.saturating_mul(86_400)));
     let (token, row) = token::create(name, tenant, role, expires_s)?;
     if access.as_os_str().is_empty() {
-        println!("{token}\n\n{row}");
-    } else {
-        token::append(access, &row).map_err(|error| format!("'{}': {error}", access.display()))?;
-        println!("{token}");
+        return output::line(format_args!("{token}\n\n{row}"));
     }
-    Ok(())
+    token::append(access, &row).map_err(|error| format!("'{}': {error}", access.display()))?;
+    output::line(format_args!("{token}"))
 }
 
 /// Examines a folder and prints the findings.
@@ -138,15 +136,17 @@ fn examine(folder: &Path, repair: bool) -> ExitCode {
     let found = match doctor::examine(folder, repair) {
         Ok(found) => found,
         Err(error) => {
-            eprintln!("counterpointd: the data folder cannot be examined: {error}");
+            output::failure(format_args!("counterpointd: the data folder cannot be examined: {error}"));
             return ExitCode::from(3);
         }
     };
-    for damage in &found {
-        println!("{damage}");
-    }
     let left = found.iter().filter(|damage| !damage.repaired).count();
-    println!("{} damaged, {} repaired: {}", found.len(), found.len() - left, folder.display());
+    let (repaired, folder) = (found.len() - left, folder.display());
+    let listed = found.iter().try_for_each(|damage| output::line(format_args!("{damage}")));
+    let total = || output::line(format_args!("{} damaged, {repaired} repaired: {folder}", found.len()));
+    if let Err(error) = listed.and_then(|()| total()) {
+        output::failure(format_args!("counterpointd: {error}"));
+    }
     ExitCode::from(u8::from(left > 0))
 }
 
@@ -165,16 +165,23 @@ fn main() -> ExitCode {
         Err(error) => return fail(2, &error),
     };
     if arguments.print_config {
-        print!("{}", options.to_toml());
-        return ExitCode::SUCCESS;
+        return match output::line(format_args!("{}", options.to_toml().trim_end())) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => fail(3, &error),
+        };
     }
     if let Some(command) = arguments.command {
         return run(&command, &options);
     }
     logging();
     keep_private();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    if let Err(error) = start_threads::can_start(threads) {
+        return fail(3, &error);
+    }
     match tokio::runtime::Builder::new_multi_thread()
         .enable_all()
+        .worker_threads(threads)
         .thread_name("rpc")
         .thread_keep_alive(IDLE_THREAD)
         .build()
@@ -193,8 +200,8 @@ fn keep_private() {
     rustix::process::umask(rustix::fs::Mode::from_raw_mode(0o077));
 }
 
-fn fail(code: u8, error: &dyn std::error::Error) -> ExitCode {
-    eprintln!("counterpointd: {error}");
+fn fail(code: u8, error: &dyn std::fmt::Display) -> ExitCode {
+    output::failure(format_args!("counterpointd: {error}"));
     ExitCode::from(code)
 }
 
@@ -202,13 +209,18 @@ fn logging() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("COUNTERPOINT_LOG")
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
     let colours = std::io::IsTerminal::is_terminal(&std::io::stderr());
-    tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colours).with_writer(std::io::stderr).init();
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_ansi(colours)
+        .with_writer(|| Lossy(std::io::stderr()))
+        .log_internal_errors(false)
+        .init();
 }
 
 async fn serve(options: Options, config: Option<&Path>) -> Result<(), service::Error> {
     let service = service::build(options).await?;
     let handle = service.handle();
-    println!("listening on {}", handle.url());
+    output::announce(format_args!("listening on {}", handle.url()));
     let manager = Manager::from_environment();
     if let Some(manager) = &manager {
         manager.ready(&handle.url());

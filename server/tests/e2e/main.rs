@@ -49,6 +49,8 @@ mod metrics;
 mod operator;
 mod otlp;
 #[cfg(target_os = "linux")]
+mod output;
+#[cfg(target_os = "linux")]
 mod paths;
 mod pause;
 mod rate;

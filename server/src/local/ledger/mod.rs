@@ -101,6 +101,15 @@ impl Drop for Reply {
     }
 }
 
+/// The ledger cannot be written after its writer has ended, whatever has ended it.
+struct WriterEnd(Arc<Shared>);
+
+impl Drop for WriterEnd {
+    fn drop(&mut self) {
+        self.0.writable.send_replace(false);
+    }
+}
+
 impl LocalLedger {
     /// Opens or creates the ledger.
     pub(crate) fn open(store: &Store, metrics: Arc<Metrics>) -> Result<Self, Refusal> {
@@ -126,7 +135,11 @@ impl LocalLedger {
         let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true), metrics });
         let (operations, queue) = mpsc::channel(1024);
         let own = shared.clone();
-        let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(move || writer::write(&own, queue))?;
+        let work = move || {
+            let _closes = WriterEnd(own.clone());
+            writer::write(&own, queue);
+        };
+        let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(work)?;
         Ok(Self {
             store: store.clone(),
             shared,
