@@ -90,7 +90,10 @@ impl Kernel<'_> {
         let (number, max, run_up, overlap) = (spindle.number, spindle.max, spindle.run_up, spindle.overlap);
         let now = self.channel.state.spindle.command;
         let speed = if now.css { now.surface } else { now.rpm };
-        if !now.css && now.rpm > max {
+        let over_speed = (!now.css && now.rpm > max).then_some((id, now.rpm));
+        if std::mem::replace(&mut self.channel.reports.plausible.over_speed, over_speed) != over_speed
+            && over_speed.is_some()
+        {
             let text = format!(
                 "{} rev/min is above the maximum speed {max} of spindle {number} in '{}'",
                 now.rpm,

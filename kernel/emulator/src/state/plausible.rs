@@ -2,6 +2,8 @@
 //!
 //! *Invariant:* nothing here changes the effect of a block.
 
+use counterpoint_machine::index::SpindleId;
+
 /// A dwell longer than this is improbable, seconds.
 pub(crate) const LONGEST_DWELL: f64 = 3600.0;
 
@@ -15,6 +17,8 @@ pub(crate) struct Plausible {
     pub(crate) thread: bool,
     pub(crate) feed: bool,
     pub(crate) spindle: bool,
+    /// The spindle and its speed above the maximum that were reported last, until it has another speed.
+    pub(crate) over_speed: Option<(SpindleId, f64)>,
     /// Another channel changed the speed of a spindle during a move that was timed with it.
     pub(crate) changed_speed: bool,
     /// Feeds per minute above this need a look: all of them until the spindle has been seen to turn.
