@@ -61,6 +61,20 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
             "--set system: machine '{machine}' has only one G-code system (it is not a lathe, or no row of [[codes]] has `systems`)"
         )));
     }
+    if settings.iter().any(|setting| matches!(setting, Setting::Shared(..))) {
+        let tables = tables(&files, &chain);
+        let has =
+            |key: &str| tables.iter().any(|table| table.get("variables").is_some_and(|own| own.get(key).is_some()));
+        if !has("shared") && !has("channel") {
+            return Err(Error::Usage(format!(
+                "--set shared: machine '{machine}' has no common variables with numbers"
+            )));
+        }
+        let channels = tables.iter().find_map(|table| table.get("channels")?.as_array());
+        if channels.is_none_or(|channels| channels.len() < 2) {
+            return Err(Error::Usage(format!("--set shared: machine '{machine}' has no second channel to share with")));
+        }
+    }
     let components: Vec<String> = components.into_iter().map(|(name, _)| name).collect();
     if own {
         return Ok(extended(name, files, settings, (&components, &lathes)));
@@ -74,12 +88,17 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
     Ok(extended(changed, files, settings, (&components, &lathes)))
 }
 
-/// Whether a lathe has codes that only some systems of G codes have.
-fn has_systems(files: &Files, chain: &[String]) -> bool {
+/// The definitions of a machine and of the families that it extends.
+fn tables(files: &Files, chain: &[String]) -> Vec<toml::Table> {
     let blobs = chain.iter().filter_map(|folder| files.0.get(&definition(folder)));
     let read =
         |blob: &Blob| toml::from_str::<toml::Table>(&String::from_utf8_lossy(blob.content())).unwrap_or_default();
-    let tables: Vec<toml::Table> = blobs.map(read).collect();
+    blobs.map(read).collect()
+}
+
+/// Whether a lathe has codes that only some systems of G codes have.
+fn has_systems(files: &Files, chain: &[String]) -> bool {
+    let tables = tables(files, chain);
     let kind = tables.iter().find_map(|table| table.get("machine")?.get("type")?.as_str());
     let codes = tables.iter().filter_map(|table| table.get("codes")?.as_array()).flatten();
     kind.is_some_and(|kind| kind.ends_with("lathe")) && codes.into_iter().any(|row| row.get("systems").is_some())
@@ -135,9 +154,7 @@ fn extended(
 fn sharing(files: &Files, name: &str, shares: &[(u32, u32)]) -> String {
     let mut known = Files(files.0.clone());
     let chain = chain(&mut known, name, &[]);
-    let texts = chain.iter().filter_map(|folder| known.0.get(&definition(folder)));
-    let tables: Vec<toml::Table> =
-        texts.filter_map(|blob| toml::from_str(&String::from_utf8_lossy(blob.content())).ok()).collect();
+    let tables = tables(&known, &chain);
     let ranges = |key: &str| {
         let lists = tables.iter().find_map(|table| table.get("variables")?.get(key)?.as_array());
         let end = |value: &toml::Value| value.as_integer().and_then(|number| u32::try_from(number).ok());
@@ -347,6 +364,15 @@ mod tests {
         let variables = &loaded.machine.unwrap().variables;
         assert_eq!(variables.shared, [(150, 199), (200, 520)]);
         assert_eq!(variables.channel, [(100, 149), (521, 999)]);
+        for (other, why) in
+            [("fanuc-mill", "no second channel"), ("siemens-2channel", "no common"), ("heidenhain-mill", "no common")]
+        {
+            let error = machine(other, &[Setting::Shared(500, 549)]).unwrap_err().to_string();
+            assert!(error.contains(&format!("--set shared: machine '{other}' has {why}")), "{error}");
+        }
+        for other in ["fanuc-3path-lathe", "citizen-3system", "composite-millturn", "merging-lathe"] {
+            assert!(machine(other, &[Setting::Shared(500, 549)]).is_ok(), "{other}");
+        }
         let error = machine("fanuc-mill", &[Setting::Waits(900..=999)]).unwrap_err().to_string();
         assert!(error.contains("machine 'fanuc-mill' has no range of M codes that wait"), "{error}");
     }
