@@ -6,6 +6,7 @@ use counterpoint_event::FileId;
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 use counterpoint_machine::index::RegisterId;
+use counterpoint_program::key_words::Number;
 
 use super::host::Host;
 use counterpoint_program::spot::Spot;
@@ -179,8 +180,12 @@ pub enum MacroCall {
 pub struct Arguments {
     /// Number of the program.
     pub program: Option<f64>,
+    /// The same as written, unless it is computed.
+    pub program_number: Option<(RegisterId, Number)>,
     /// Passes.
     pub count: Option<f64>,
+    /// The same as written, unless they are computed.
+    pub count_number: Option<(RegisterId, Number)>,
     /// How the block calls, if one of its words says so.
     pub call: Option<MacroCall>,
     /// Values by number of the local variable.

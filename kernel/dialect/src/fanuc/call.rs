@@ -99,8 +99,10 @@ pub(super) fn arguments(
                 }
             }
             b'N' | b'O' => {}
-            b'P' if read.program.is_none() => read.program = Some(plain),
-            b'L' => read.count = Some(plain),
+            b'P' if read.program.is_none() => {
+                (read.program, read.program_number) = (Some(plain), as_written(register, word));
+            }
+            b'L' => (read.count, read.count_number) = (Some(plain), as_written(register, word)),
             letter @ b'I'..=b'K' => {
                 read.values.push((triples.variable(letter - b'I'), value));
             }
@@ -111,6 +113,11 @@ pub(super) fn arguments(
         }
     }
     Ok(read)
+}
+
+/// The number of a word as written, with its register.
+fn as_written(register: Option<(RegisterId, bool)>, word: &TemplateWord) -> Option<(RegisterId, Number)> {
+    register.map(|(register, _)| register).zip(word.written)
 }
 
 /// Where the next I, J or K of a call goes.

@@ -33,7 +33,7 @@ impl Kernel<'_> {
     }
 
     /// Numbers that a control refuses at their address; on other machines they are read as they are.
-    fn check_numbers(&mut self) -> Acted {
+    pub(super) fn check_numbers(&mut self) -> Acted {
         let kinds = [
             (irregular::DIGITS, &diag::TOO_MANY_DIGITS, "a number has more digits than its address allows"),
             (irregular::POINT, &diag::DECIMAL_POINT, "a number has a decimal point at an address that takes none"),

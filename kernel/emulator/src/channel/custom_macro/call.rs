@@ -10,7 +10,7 @@ use crate::channel::Kernel;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::channel::hook_points::Origin;
-use counterpoint_dialect::MacroCall;
+use counterpoint_dialect::{MacroCall, Words};
 use counterpoint_fault as diag;
 use counterpoint_program::block::irregular;
 
@@ -30,6 +30,12 @@ impl Kernel<'_> {
         let Some(mut words) = words.transpose()?.flatten() else { return Ok(()) };
         // Arguments are not words of their registers.
         self.channel.block.flags.irregular &= !irregular::NUMBERS;
+        if words.call.is_some() {
+            for (register, number) in [words.program_number, words.count_number].into_iter().flatten() {
+                self.read(register, number);
+            }
+            self.check_numbers()?;
+        }
         let mut by: Option<By> = None;
         let what = match own {
             Some(call) => {
