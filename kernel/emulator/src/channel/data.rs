@@ -37,6 +37,9 @@ impl Kernel<'_> {
     #[cold]
     fn take_handed(&mut self) -> Option<Datum> {
         let handed = self.channel.acting.as_data.take()?;
+        if self.refuse_handed(handed) {
+            return None;
+        }
         let (value, factor, modal) = self.accept(handed);
         let value = value * factor;
         if modal {
@@ -198,6 +201,27 @@ impl Kernel<'_> {
             return true;
         }
         false
+    }
+
+    /// The same for a macro, which may ask for data whose rows are all off.
+    #[cold]
+    pub(crate) fn refuse_word(&mut self, id: DataId) {
+        if self.channel.block.present & self.plan.data.refused[id] & !RECALLED != 0 {
+            self.refuse(id);
+        }
+    }
+
+    /// A code hands its value over, but the row of the data says that nothing may take it.
+    #[cold]
+    pub(crate) fn refuse_handed(&mut self, handed: Handed) -> bool {
+        let machine = self.channel.env.machine;
+        let refused = handed.row.is_some_and(|at| !machine.data[at].process);
+        if refused {
+            let name = machine.data_name(handed.id);
+            let text = format!("{name} is asked for in '{}', but its row is not processed", self.block_text());
+            self.diagnose(&diag::DATA_REFUSED, text);
+        }
+        refused
     }
 
     /// Reports the data that an action could have used and whose rows are all switched off.

@@ -233,7 +233,10 @@ impl Kernel<'_> {
 
     /// Takes the value of data off the block for a macro, in the unit of the program; never a remembered value.
     pub(crate) fn take_for_macro(&mut self, id: DataId, runs: bool) -> Option<f64> {
-        let mut taken = self.taken(id)?;
+        let Some(mut taken) = self.taken(id) else {
+            self.refuse_word(id);
+            return None;
+        };
         let list = self.channel.env.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));
         if runs && !list.is_empty() && self.macros.hooks.matching {
             self.data_macros(id, list, &mut taken)?;
@@ -246,6 +249,9 @@ impl Kernel<'_> {
 
     fn taken(&mut self, id: DataId) -> Option<Taken> {
         if let Some(handed) = self.channel.acting.as_data.take_if(|handed| handed.id == id) {
+            if self.refuse_handed(handed) {
+                return None;
+            }
             let (value, factor, modal) = self.accept(handed);
             return Some(Taken { value, factor, incremental: false, raw: handed.raw, modal, register: None });
         }
