@@ -13,6 +13,7 @@ use counterpoint_tests::{Done, Work, machine};
 const MILL: &str = "siemens-mill";
 const FIVE: &str = "siemens-mill-5axis";
 const LATHE: &str = "siemens-lathe";
+const CHANNELS: &str = "siemens-2channel";
 
 /// Number of the alarm, machine, program: the alarm comes in its last line.
 const CASES: &[(&str, &str, &str)] = &[
@@ -26,6 +27,9 @@ const CASES: &[(&str, &str, &str)] = &[
     ("12060", MILL, "G0 G1 X5 F100"),
     ("12080", MILL, "R1=5+"),
     ("12080", MILL, "MCALL CYCLE81(5,0,1,-3) Y20"),
+    ("12080", MILL, "MCALL Y20"),
+    ("12550", MILL, "MCALL NOPE"),
+    ("12550", MILL, "MCALL NOPE(1,2)"),
     ("12170", MILL, "DEF INT A\nDEF REAL A"),
     ("12290", MILL, "R99999=1"),
     ("12340", MILL, "%_N_MAIN_MPF\nSUB(1,2)\n%_N_SUB_SPF\nPROC SUB(REAL A)\nM17"),
@@ -86,6 +90,62 @@ fn each_alarm_stops_the_channel_and_names_its_number() {
             done.events.iter().filter(|event| event.line >= last && matches!(event.kind, Kind::Motion(_))).count();
         if raised.is_none() || moved > 0 || done.summary.state != State::Failed {
             let _ = writeln!(wrong, "{alarm} '{program}': {moved} moves, {:?}", done.summary.diagnostics);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// Statements that take no axis words, on a machine that has them.
+const WITHOUT_AXES: &[(&str, &str)] = &[
+    (FIVE, "CYCLE800()"),
+    (FIVE, "CYCLE800(0,\"TC1\",0,57,0,0,0,0,0,0,0,0,0,-1)"),
+    (FIVE, "TRAORI"),
+    (FIVE, "TRAORI(1)"),
+    (FIVE, "TRAFOOF"),
+    (FIVE, "TRAFOOF()"),
+    (FIVE, "ORIRESET()"),
+    (LATHE, "TRANSMIT"),
+    (LATHE, "TRACYL(40)"),
+    (LATHE, "SETMS(1)"),
+    (LATHE, "SETMS"),
+    (MILL, "CYCLE81(5,0,1,-3)"),
+    (MILL, "CYCLE832(0.01,3,1)"),
+    (MILL, "HOLES1(0,0,0,10,10,3)"),
+    (MILL, "HOLES2(0,0,20,0,90,4)"),
+    (MILL, "POCKET3(5,0,1,-3,20,20,2,0,0,0,1,0,0,100,50,0,11)"),
+    (MILL, "SLOT1(5,0,1,-3)"),
+    (MILL, "LONGHOLE(5,0,1,-3)"),
+    (MILL, "GROUP_BEGIN(0,\"drill\",0,0)"),
+    (MILL, "GROUP_END(0,0)"),
+    (MILL, "WAITP(X)"),
+    (MILL, "SETAL(65000)"),
+    (MILL, "CANCEL(1)"),
+    (MILL, "GEOAX()"),
+    (MILL, "EXECUTE(TAB)"),
+    (MILL, "WRITE(R1,\"F\",\"T\")"),
+    (MILL, "DELETE(R1,\"F\")"),
+    (CHANNELS, "WAITE(2)"),
+    (CHANNELS, "START(2)"),
+    (CHANNELS, "INIT(2,\"P\")"),
+    (CHANNELS, "GET(X)"),
+    (CHANNELS, "GETD(X)"),
+    (CHANNELS, "RELEASE(X)"),
+    (CHANNELS, "AXTOCHAN(X,2)"),
+];
+
+#[test]
+fn a_statement_without_axes_moves_none() {
+    let mut wrong = String::new();
+    for (on, statement) in WITHOUT_AXES {
+        for axis in ["X10", "Z=10", "C10"] {
+            for block in [format!("{statement} {axis}"), format!("{axis} {statement}")] {
+                let done = run(on, &block);
+                let raised = done.summary.diagnostics.iter().any(|one| one.severity >= 8 && one.text.contains("12080"));
+                let moves = done.events.iter().filter(|event| matches!(event.kind, Kind::Motion(_))).count();
+                if !raised || moves > 0 {
+                    let _ = writeln!(wrong, "{on} '{block}': {moves} moves, {:?}", done.summary.diagnostics);
+                }
+            }
         }
     }
     assert!(wrong.is_empty(), "{wrong}");

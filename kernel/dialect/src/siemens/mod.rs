@@ -36,6 +36,7 @@ mod modal;
 mod moves;
 mod orientation;
 mod outline;
+mod own_block;
 mod positioning;
 mod preparation;
 mod records;

@@ -50,6 +50,9 @@ impl Siemens {
             if call.is_some() && !words.trim().is_empty() {
                 return syntax(format!("MCALL takes one call and no further words: {}", words.trim()));
             }
+            if call.is_none() && self.settings.subprograms {
+                not_called(host, items, &words)?;
+            }
             let level = host.level();
             self.modal = Some(Modal { words, call, passes, given, level });
         }
@@ -82,6 +85,21 @@ impl Siemens {
         left.call = Some(call.clone());
         left.passes = modal.passes;
         self.modal_from = Some(level);
+    }
+}
+
+/// Refuses words after MCALL that neither call a subprogram nor are a code of the machine.
+fn not_called(host: &mut dyn Host, items: &[Item], words: &str) -> Outcome<()> {
+    match items.iter().find(|item| !matches!(item, Item::Passes(..))) {
+        // A macro of the machine has taken the name, or given another text for it.
+        Some(Item::Bare(name) | Item::Function(name, _)) if !words.contains(name.as_str()) => Ok(()),
+        Some(Item::Bare(name) | Item::Function(name, _)) => {
+            if host.is_code_text(name) || host.is_register(&format!("{name}(")) {
+                return Ok(());
+            }
+            Ok(host.report_unrecognised(words.trim())?)
+        }
+        _ => syntax(format!("MCALL takes the name of a subprogram, not {}", words.trim())),
     }
 }
 
