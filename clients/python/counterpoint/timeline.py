@@ -14,7 +14,7 @@ COLOURS = {
 
 
 class Bar(NamedTuple):
-    """A stretch of time that a channel spent on one kind of work, with the lines of its blocks in the user's program."""
+    """Time that a channel spent on one kind of work, with the lines of its blocks in the user's program."""
 
     kind: str
     start_s: float
