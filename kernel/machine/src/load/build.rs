@@ -66,7 +66,7 @@ pub(super) fn machine(
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
-    let waits = waits::read(&mut top, (&codes, &names.registers), (head.preprocessor, together), check);
+    let waits = waits::read(&mut top, (&codes, &names.registers), (head.preprocessor, together), channels.len(), check);
     let sync = sync::read(&mut top, &channels, (&codes, waits), check);
     let system = system_variables::read(&mut top, &codes, &names.registers, check);
     let external = external::read(&mut top, head.preprocessor, check);

@@ -66,9 +66,12 @@ pub(super) fn read(
     top: &mut Section<'_>,
     (rows, registers): (&[CodeRow], &crate::index::Table<RegisterId, Register>),
     (preprocessor, composite): (Preprocessor, bool),
+    channels: usize,
     check: &Check,
 ) -> Vec<WaitRow> {
     let mut waits = Vec::new();
+    // A family may have rows for machines with several channels.
+    let alone = (channels == 1 && !composite).then(|| std::sync::Arc::clone(&top.place().file));
     for mut section in top.rows("waits", "[[waits]]", MOST) {
         for key in OF_CODES {
             section.node(key);
@@ -77,6 +80,9 @@ pub(super) fn read(
         let statement = statement(&mut section, preprocessor, composite);
         let place = section.place().clone();
         section.finish();
+        if alone.as_deref() == Some(&*place.file) {
+            check.idle(&place, "[[waits]] on a machine with one channel: no other channel can arrive, nothing waits");
+        }
         if let Some((row, word)) = row.as_ref().zip(statement) {
             waits.push(WaitRow { word, ..row.clone() });
             continue;

@@ -557,3 +557,11 @@ number = 1"#
         ]
     );
 }
+
+#[test]
+fn waits_of_a_machine_with_one_channel() {
+    let row = "[[waits]]\nword = \"M100-M149\"\nprimitive = \"barrier\"";
+    let finding = "1:1: warning: [[waits]] on a machine with one channel: no other channel can arrive, nothing waits";
+    assert_eq!(after(row), [finding]);
+    assert_eq!(after(&format!("[[channels]]\nnumber = 2\naxes = []\n{row}")), [""; 0]);
+}
