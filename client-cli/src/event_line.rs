@@ -6,7 +6,7 @@ use counterpoint_proto::v1::event::Kind;
 use crate::severity;
 use crate::text::time;
 
-/// An event of a job with these files as a line; `None` for events that are not printed.
+/// Formats an event of a job with these files as a line; `None` for events that are not printed.
 pub(crate) fn event_line(event: &v1::Event, files: &[String]) -> Option<String> {
     let text = match event.kind.as_ref()? {
         Kind::Diagnostic(d) => {
@@ -24,7 +24,7 @@ pub(crate) fn event_line(event: &v1::Event, files: &[String]) -> Option<String> 
     Some(format!("{}{channel}{}: {text}\n", time(event.t_ns), place(event, files)))
 }
 
-/// The block in the user's programs: inside a shipped cycle, the one that called it.
+/// The block in the user's programs; inside a shipped cycle, the block that called it.
 fn place(event: &v1::Event, files: &[String]) -> String {
     let (file, line) =
         if event.caller_line > 0 { (event.caller_file, event.caller_line) } else { (event.file, event.line) };

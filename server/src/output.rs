@@ -1,6 +1,6 @@
-//! Standard output and standard error of the server: the log, and texts of its commands.
+//! Standard output and standard error of the server: the log, and the output of its commands.
 //!
-//! Invariant: an output that is full or closed loses text. It never ends a thread, as `println!` and `eprintln!` do.
+//! Invariant: if an output is full or closed, text is lost, but no thread panics (`println!` and `eprintln!` panic).
 
 use std::fmt::Arguments;
 use std::io::{self, Write};
@@ -13,12 +13,12 @@ pub fn line(text: Arguments<'_>) -> Result<(), String> {
     write_line(&mut io::stdout().lock(), text).map_err(|error| format!("the output cannot be written: {error}"))
 }
 
-/// Writes a line of a server that runs to standard output, or loses it.
+/// Writes a line of the running server to standard output; drops the line if that fails.
 pub fn announce(text: Arguments<'_>) {
     let _ = write_line(&mut io::stdout().lock(), text);
 }
 
-/// Writes why the program ends to standard error, or loses it.
+/// Writes the reason for which the program ends to standard error; drops it if that fails.
 pub fn failure(text: Arguments<'_>) {
     let _ = write_line(&mut io::stderr().lock(), text);
 }
@@ -29,7 +29,7 @@ fn write_line(out: &mut dyn Write, text: Arguments<'_>) -> io::Result<()> {
     out.flush()
 }
 
-/// An output that takes everything, and loses it where it cannot be written.
+/// An output that accepts all bytes, and drops those that cannot be written.
 #[derive(Debug)]
 pub struct Lossy<W>(pub W);
 

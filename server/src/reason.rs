@@ -110,10 +110,10 @@ pub enum Refusal {
     /// The memory budget of the server does not have room for the request.
     #[error("the server has no memory for the request within its budget of {0} bytes (memory_bytes)")]
     MemoryFull(u64),
-    /// The request would not fit if the memory budget of the server were free.
+    /// The request is larger than the whole memory budget of the server.
     #[error(
-        "the request takes {bytes} bytes of memory, more than the whole budget of the server (memory_bytes = {budget}): \
-         make it smaller, or let the administrator raise the budget"
+        "the request needs {bytes} bytes of memory, more than the whole budget of the server (memory_bytes = \
+         {budget}): make the request smaller, or ask the administrator to raise the budget"
     )]
     BeyondMemory {
         /// Bytes of the request.
@@ -186,7 +186,7 @@ impl Refusal {
         Self::InvalidField { field: field.into(), text: text.into() }
     }
 
-    /// The same, in which lost data names the job that needs it.
+    /// Adds the job to the text of lost data, unless the text has it.
     pub(crate) fn of_job(self, id: &str) -> Self {
         match self {
             Self::DataLoss(text) if !text.contains(id) => Self::DataLoss(format!("job '{id}': {text}")),

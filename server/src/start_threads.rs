@@ -1,16 +1,16 @@
-//! Whether the system gives a server the threads that its start needs.
+//! Checks that the system allows the threads that a server needs to start.
 //!
-//! Invariant: a refusal is known before the runtime is built, which would panic or wait for ever.
+//! Invariant: the check comes before the runtime is built, which would panic or wait indefinitely.
 
 use std::io;
 use std::sync::Arc;
 use std::sync::mpsc;
 use std::thread::Builder;
 
-/// Threads beside those of the runtime: ledger, housekeeping, tick, ends, flush, spans, probe, and one that may block.
+/// Threads besides those of the runtime: ledger, housekeeping, tick, ends, flush, spans, probe, and one that may block.
 const OTHERS: usize = 8;
 
-/// Tries to have as many threads at once as a server with this number of runtime threads has at its start.
+/// Starts as many threads at once as a server with this number of runtime threads needs, and ends them.
 ///
 /// # Errors
 /// A text with the number of threads that the system allows.

@@ -1,8 +1,8 @@
-//! Values that macros take pass the columns of the data table, in whatever way the macros take them.
+//! The columns of the data table apply to every value that macros take, in every way of taking it.
 //!
-//! Every column of `[[data]]` is set in turn, and the value is taken in every way, in millimetres and in inches. Written
-//! values pass all columns. Added values (`$FCEADD`, EXEC with identifiers) are final: they need an enabled row, and no
-//! column changes them. Macros see a value before it is converted from inches, actions after that.
+//! Every column of `[[data]]` is set in turn, and the value is taken in every way, in millimetres and in inches. All
+//! columns apply to written values. Added values (`$FCEADD`, EXEC with identifiers) are final: they need an enabled
+//! row, and no column changes them. Macros see a value before the conversion from inches, actions see it afterwards.
 //!
 //! *Invariant:* the columns of the test are the keys of the table in `docs/machine-definition.md`.
 
@@ -17,7 +17,7 @@ use counterpoint_kernel::machine::package::Overlay;
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::Work;
 
-/// How the value 5 gets to the macro or the action.
+/// How the value 5 reaches the macro or the action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     /// `$FCEGET` of a word.
@@ -95,7 +95,7 @@ impl Way {
     }
 }
 
-/// A column and its value, as the table is written; blank: none of them.
+/// A column and its value as written in the table; blank if no column is set.
 const COLUMNS: &[(&str, &str)] = &[
     ("", ""),
     ("id", ""),
@@ -119,7 +119,7 @@ const COLUMNS: &[(&str, &str)] = &[
     ("increment", "[0.01, 0.001]"),
 ];
 
-/// The value that is taken, or none, and the complaint.
+/// The value that is taken, if any, and the complaint.
 #[derive(Debug, PartialEq)]
 struct Taken {
     value: Option<f64>,
@@ -177,7 +177,7 @@ fn machine(way: Way, (column, setting): (&str, &str)) -> Memory {
         "extends = \"fanuc-mill-exact\"\ncontrol.numbers = \"{numbers}\"\nregisters = [{{ index = 60, name = \"E\", whole = 4, frac = 3, \
          signed = true, point = \"keep\" }}]\n"
     );
-    // The rows of the family would take part.
+    // Without these the rows of the family would apply.
     let own = "  { id = \"REG_DELAY\", register = \"P\", enable = false },\n  { id = \"REG_DELAY\", register = \"X\", enable = false },\n";
     let others = if way.is_action() { own } else { "" };
     _ = writeln!(definition, "data = [\n{others}  {{ id = \"{id}\", {register}custom = {custom}{set} }},\n]");
@@ -213,7 +213,7 @@ fn machine(way: Way, (column, setting): (&str, &str)) -> Memory {
     folder
 }
 
-/// What is taken, or the reason why the machine does not load.
+/// The value that is taken, or the reason why the job could not be made.
 fn taken(way: Way, column: (&str, &str), inches: bool) -> Result<Taken, String> {
     let loaded = load(&Overlay::new(machine(way, column), counterpoint_tests::library()), "values");
     let machine = loaded.machine.ok_or_else(|| format!("{:?}", loaded.findings))?;

@@ -7,7 +7,7 @@ use counterpoint_proto::v1::debug_command::What;
 /// All commands.
 pub(super) const HELP: &str = "\
 step [CHANNEL|all] [xN]   run one block, or N, of the channel furthest behind, of CHANNEL, or of all
-over [CHANNEL|all] [xN]   the same; a call of a subprogram is one block
+over [CHANNEL|all] [xN]   the same, but a call is one block
 out [CHANNEL|all] [xN]    run to the block after the return from one call, or from N calls
 continue                  run to the next breakpoint or to the end
 until PLACE [xN]          run to the first (Nth) hit of PLACE
@@ -19,7 +19,7 @@ reset CHANNEL             reset a channel
 show                      show channels, positions, remembered words, variables, breakpoints
 quit                      run to the end without stops, as the end of the input does
 PLACE is: wait [MARK] (wait M101), write VARIABLE (write #500), line [FILE:]LINE (line upper.nc:12), time SECONDS (time 2.5)
-Short: s, o, c, u, b, q. Ctrl-C pauses a job that runs, and cancels one that stands. What follows a ; is a remark.";
+Short: s, o, c, u, b, q. Ctrl-C pauses a running job and cancels a stopped one. Text after a ; is a comment.";
 
 /// A line of the input.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,7 +82,7 @@ pub(super) fn read(text: &str) -> Result<Line, String> {
     Ok(line)
 }
 
-/// How a command that steps treats calls; none for another command.
+/// How a step command treats calls; none for any other command.
 fn step_calls(command: &str) -> Option<v1::StepCalls> {
     Some(match command {
         "step" | "s" => v1::StepCalls::Into,

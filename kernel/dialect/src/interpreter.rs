@@ -97,8 +97,8 @@ pub trait Interpreter: Send {
         None
     }
 
-    /// Whether a block shows or hides the blocks from it to the return of its program when an operator steps; none if it
-    /// does neither.
+    /// Whether a block shows or hides, for an operator who steps, the blocks from it to the return of its program; none
+    /// if the block does neither.
     fn shows_blocks(&self, _: &[u8]) -> Option<bool> {
         None
     }
@@ -180,11 +180,11 @@ pub enum MacroCall {
 pub struct Arguments {
     /// Number of the program.
     pub program: Option<f64>,
-    /// The same as written, unless it is computed.
+    /// Number of the program as written; none if it is computed.
     pub program_number: Option<(RegisterId, Number)>,
     /// Passes.
     pub count: Option<f64>,
-    /// The same as written, unless they are computed.
+    /// Passes as written; none if they are computed.
     pub count_number: Option<(RegisterId, Number)>,
     /// How the block calls, if one of its words says so.
     pub call: Option<MacroCall>,

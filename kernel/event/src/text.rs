@@ -77,13 +77,13 @@ impl Text {
         self.starts.len() as u32 - 1
     }
 
-    /// Number of the line that has the byte at `at`.
+    /// Number of the line that contains the byte at `at`.
     #[must_use]
     pub fn line_at(&self, at: usize) -> u32 {
         self.starts.partition_point(|start| *start as usize <= at) as u32
     }
 
-    /// Byte at which line `number` (from 1) begins; the length of the text beyond the file.
+    /// Byte at which line `number` (from 1) begins; the length of the text if there is no such line.
     #[must_use]
     pub fn start(&self, number: u32) -> usize {
         self.starts.get((number as usize).wrapping_sub(1)).map_or(self.bytes.len(), |start| *start as usize)

@@ -428,7 +428,7 @@ fn calls(calls: StepCalls, whom: Whom, blocks: u32) -> Command {
     Command::Step { whom, blocks, calls }
 }
 
-/// Lines of the only channel at each stop, the first one left out.
+/// Lines of the only channel at each stop after the first.
 fn lines_of(machine: &str, text: &str, commands: Vec<Command>) -> Vec<u32> {
     let (summary, said) = stepped(machine, &[text], commands, false);
     assert_eq!(summary.log_digest, free(machine, &[text]).log_digest, "{:?}", summary.diagnostics);
@@ -438,7 +438,7 @@ fn lines_of(machine: &str, text: &str, commands: Vec<Command>) -> Vec<u32> {
 #[test]
 fn steps_go_over_and_out_of_calls() {
     use StepCalls::{Into, Out, Over};
-    // Lines: 2 calls lines 5 to 9, which call lines 10 to 12 at 7; each has three blocks, the last one returns.
+    // Line 2 calls the program in lines 5 to 9; line 7 calls the program in lines 10 to 12.
     let programs = [
         ("fanuc-mill", "O1\nM98 P2\nG4 X1.\nM30\nO2\nG4 X1.\nM98 P3\nG4 X1.\nM99\nO3\nG4 X1.\nM99\n"),
         (
@@ -462,7 +462,7 @@ fn steps_go_over_and_out_of_calls() {
             lines_of(machine, text, commands)[1]
         };
         assert_eq!((over(2, 1), over(2, 2), over(7, 1), over(7, 2)), (3, 4, 8, 9), "{machine}");
-        // Beyond the end of the called program, a block of the caller is the next one that counts.
+        // After the end of the called program, the next block of the caller counts.
         assert_eq!(over(8, 2), 3, "{machine}");
         let out = |from: u32, count, whom| {
             let commands = until(from).into_iter().chain([calls(Out, whom, count)]).collect();

@@ -209,7 +209,7 @@ impl<T: Copy> BySlot<T> for [T; MAX_AXES] {
 
 const _: () = assert!(MAX_AXES.is_power_of_two(), "slots are masked, so that the compiler leaves out the check");
 
-/// The bit of each register: a load is shorter than a shift of 128 bits, which every word of a block would do.
+/// The bit of each register. A load is cheaper than a shift of 128 bits for every word of a block.
 #[expect(
     clippy::indexing_slicing,
     reason = "the indices are within the array, as its computation at compile time shows"

@@ -19,9 +19,9 @@ pub enum Command {
     Step {
         /// Of which channels.
         whom: Whom,
-        /// How many, of each of them; calls to leave, for a step out.
+        /// Number of blocks of each channel; with [`StepCalls::Out`], number of calls to leave.
         blocks: u32,
-        /// Which of their blocks count.
+        /// How the step treats calls.
         calls: StepCalls,
     },
     /// Runs until a breakpoint or the end.
@@ -63,7 +63,7 @@ pub enum Whom {
     All,
 }
 
-/// How a step treats the calls of a channel: calls of subprograms, macros and program parts.
+/// How a step treats calls of subprograms, macros and program parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum StepCalls {
     /// Blocks of called programs count, too.
@@ -71,7 +71,7 @@ pub enum StepCalls {
     Into,
     /// A call is one block.
     Over,
-    /// To the next block after the return.
+    /// Runs to the next block after the return.
     Out,
 }
 
@@ -172,7 +172,7 @@ pub struct Seen {
     pub file: FileId,
     /// Line of the block.
     pub line: u32,
-    /// Calls that the block is inside; 0 in the main program.
+    /// Number of calls around the block; 0 in the main program.
     pub level: u32,
     /// Simulated time, ns.
     pub t_ns: i64,

@@ -110,7 +110,7 @@ impl Shape {
         out
     }
 
-    /// A line that defines a program by its number begins with one of these; none: definitions are of another kind.
+    /// Every line that defines a program by its number has one of these; none if definitions have another form.
     pub(super) fn definition_letters(&self) -> Option<[u8; 3]> {
         self.syntax.named_programs.is_none().then_some([b'O', b'o', b':'])
     }

@@ -265,14 +265,14 @@ fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     found
 }
 
-/// The next line from `first` on that may define a program, until the job is to end.
+/// The first line from `first` on that may define a program; none if there is none or the job is to end.
 fn next_definition(source: &Source, shape: &Shape, first: u32) -> Option<u32> {
     let letters = shape.definition_letters().filter(|_| !(shape.has_angle_names() && source.has(b'<')));
     let Some([a, b, c]) = letters else {
         return source.walk(first, source.lines()).find(|line| shape.may_define(source.line(*line)));
     };
     let (text, mut line) = (source.text(), first);
-    // Few lines have one of the letters anywhere.
+    // Few lines contain any of the letters.
     while !source.stop.asked()
         && let at = text.start(line)
         && let Some(found) = memchr::memchr3(a, b, c, text.bytes().get(at..)?)

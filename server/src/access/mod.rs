@@ -105,7 +105,7 @@ impl Caller {
     }
 }
 
-/// The refusal of a call that is for a higher role.
+/// The refusal of a call that needs a higher role.
 fn too_low(needs: Role) -> Refusal {
     Refusal::PermissionDenied(format!("the call needs the role '{needs}'"))
 }

@@ -1,4 +1,4 @@
-//! How long a call may last: until its identity is revoked, expires, or has a role that the call is not for.
+//! How long a call may last: until its identity is revoked or expires, or its role no longer allows the call.
 //!
 //! Invariant: a call that waits for its end holds a timer and its own token; it looks at the identities again only after
 //! they were read again and when its own expires.
@@ -45,7 +45,7 @@ impl Access {
         }
     }
 
-    /// Returns when the identity is revoked, has too low a role for the call, or has expired: with the answer to the call.
+    /// Waits until the identity is revoked or expires, or its role is too low for the call; returns the refusal.
     pub(crate) async fn ended(&self, mut rights: Rights) -> Refusal {
         let revoked = || Refusal::Unauthenticated("the identity of the call was revoked or has expired".to_owned());
         loop {

@@ -1,7 +1,7 @@
-//! Files in the folders of jobs: a head with length and checksum tells whether they are whole.
+//! Files in the folders of jobs: a head with length and checksum shows whether they are whole.
 //!
-//! Invariant: a file is read whole, under the job and the name under which it was stored, or not at all. The checksums of
-//! files of earlier versions cover the content only.
+//! Invariant: a file is read whole, under the job and the name under which it was stored, or not at all. Checksums of
+//! files from earlier versions cover the content only.
 
 use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom};
@@ -22,7 +22,7 @@ pub(super) fn head(job: &str, name: &str, content: &[u8]) -> [u8; HEAD] {
     head
 }
 
-/// The file of a job at the beginning of its content, if that is whole.
+/// The file of a job, positioned at the start of its content; an error unless the content is whole.
 pub(super) fn whole(mut file: File, job: &str, name: &str) -> io::Result<File> {
     let mut head = Vec::new();
     (&mut file).take(HEAD as u64).read_to_end(&mut head)?;

@@ -1,11 +1,11 @@
-//! The damage of an event log: the error, the job, and the remedy.
+//! Damage to an event log: the error, the job, and the remedy.
 //!
-//! *Invariant:* a damage has the same text, whichever call finds it, and the text names the job.
+//! *Invariant:* damage has the same text in every call that finds it, and the text names the job.
 
 use std::fmt;
 use std::io;
 
-/// A damage; none = the job is not known yet.
+/// Damage to a log; without a job until [`of_job`] adds it.
 #[derive(Debug)]
 struct Damage {
     job: Option<String>,
@@ -22,12 +22,12 @@ impl fmt::Display for Damage {
 
 impl std::error::Error for Damage {}
 
-/// An error with the remedy; [`of_job`] names the job.
+/// A damage error with the remedy; [`of_job`] adds the job.
 pub(crate) fn damage(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, Damage { job: None, what: what.to_owned() })
 }
 
-/// An error, with the job if it is a damage.
+/// Adds the job to a damage error; other errors stay as they are.
 pub(crate) fn of_job(error: io::Error, job: &str) -> io::Error {
     match error.downcast::<Damage>() {
         Ok(Damage { what, .. }) => {
@@ -42,9 +42,9 @@ pub(crate) fn cut_short(job: &str, last: u64, expected: u64) -> io::Error {
     of_job(damage(&format!("it ends at event {last} of {expected}")), job)
 }
 
-/// The log is not there.
+/// The log is missing.
 pub(crate) fn gone(job: &str) -> io::Error {
-    of_job(damage("it is gone"), job)
+    of_job(damage("it is missing"), job)
 }
 
 #[cfg(test)]
@@ -54,7 +54,7 @@ mod tests {
     #[test]
     fn a_damage_names_its_job_and_other_errors_stay_as_they_are() {
         let text =
-            "the event log of job 'j' is damaged: it is gone; submit the job again, the same job gives the same log";
+            "the event log of job 'j' is damaged: it is missing; submit the job again, the same job gives the same log";
         assert_eq!(gone("j").to_string(), text);
         assert_eq!(gone("j").kind(), io::ErrorKind::InvalidData);
         let other = of_job(io::Error::from(io::ErrorKind::NotFound), "j");

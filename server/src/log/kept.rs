@@ -96,12 +96,12 @@ impl Files {
 }
 
 impl Kept {
-    /// One in files.
+    /// A log in files.
     pub(crate) fn in_files(job: &str, files: Files) -> Self {
         Self { job: job.into(), place: Place::Files(files) }
     }
 
-    /// One in the ledger.
+    /// A log in the ledger.
     pub(crate) fn in_ledger(job: &str, log: Bytes) -> Self {
         Self { job: job.into(), place: Place::Ledger(log) }
     }

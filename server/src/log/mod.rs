@@ -2,10 +2,10 @@
 //! a large one is compressed when its run is over (`segments`).
 //!
 //! File: a head (magic, then the job's description), then records. A record is 24 bytes of frame (length, CRC-32, first
-//! and last sequence number, little-endian) and one encoded `EventBatch`. Every CRC-32 begins with the id of the job. Batches end at 256 events or 32 KiB: never a
-//! bare event per message (HTTP/2 flood guards), never one too large for a small reader. Invariant: the bytes in the
-//! file are the bytes a watcher gets; committed bytes never change while the job lives. A second run of the same job
-//! writes the same events, though batches may be cut elsewhere.
+//! and last sequence number, little-endian) and one encoded `EventBatch`. Every CRC-32 also covers the id of the job.
+//! Batches end at 256 events or 32 KiB: never a bare event per message (HTTP/2 flood guards), never one too large for a
+//! small reader. Invariant: the bytes in the file are the bytes a watcher gets; committed bytes never change while the
+//! job lives. A second run of the same job writes the same events, though batches may be cut elsewhere.
 
 use std::fmt::Debug;
 use std::io;
@@ -57,12 +57,12 @@ pub(crate) trait Logs: Send + Sync + Debug {
     fn jobs(&self) -> io::Result<Vec<String>>;
 }
 
-/// First bytes of a log file; the last digit is the version of the form. The checksums of an earlier one do not begin with
-/// the job.
+/// First bytes of a log file; the last byte is the version of the format. Checksums of the earlier version do not cover
+/// the id of the job.
 pub(crate) const MAGIC: &[u8; 8] = b"CPLOG\0\0\x02";
 pub(crate) const EARLIER_MAGIC: &[u8; 8] = b"CPLOG\0\0\x01";
 
-/// Whether a content begins as a log does, of this form or an earlier one.
+/// Whether the content is a log of this version or the earlier one.
 pub(crate) fn is_log(content: &[u8]) -> bool {
     content.starts_with(MAGIC) || content.starts_with(EARLIER_MAGIC)
 }

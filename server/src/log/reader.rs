@@ -67,7 +67,7 @@ impl Reader {
         file.read_exact(&mut head).map_err(cut)?;
         let (magic, frame) = head.split_at(MAGIC.len());
         let known = Sums::of_magic(&log.job, magic).zip(Frame::read(frame));
-        let (sums, frame) = known.ok_or_else(|| damage("its head is not one"))?;
+        let (sums, frame) = known.ok_or_else(|| damage("its head is not valid"))?;
         let mut description = vec![0; (frame.length as usize).min(RECORD_MAX)];
         file.read_exact(&mut description).map_err(cut)?;
         if sums.of_content(&description) != frame.crc || description.len() != frame.length as usize {
@@ -260,12 +260,12 @@ pub(crate) mod tests {
     use crate::log::codec_tests;
     use crate::log::{BATCH_EVENTS, EARLIER_MAGIC, encode};
 
-    /// The plain log of a job, of this many events.
+    /// The plain log of a job with this number of events.
     pub(crate) fn plain(job: &str, events: u64) -> Vec<u8> {
         of_form(MAGIC, Sums::of_log(job), events)
     }
 
-    /// Same, as an earlier version wrote it.
+    /// The same log as an earlier version wrote it.
     pub(crate) fn earlier(events: u64) -> Vec<u8> {
         of_form(EARLIER_MAGIC, Sums::EARLIER, events)
     }

@@ -109,7 +109,7 @@ impl Packer<'_> {
     }
 }
 
-/// Writes the compressed form of the plain log of a job that has ended; returns its bytes.
+/// Writes the compressed form of the plain log of a job that has ended; returns its size in bytes.
 ///
 /// # Errors
 /// When the log cannot be read to its end or is damaged, or when the other file cannot be written.
@@ -126,7 +126,7 @@ pub(crate) fn pack(job: &str, log: &mut dyn Read, out: &mut dyn Write) -> io::Re
     packer.write(MAGIC)?;
     let mut magic = [0; LOG.len()];
     log.read_exact(&mut magic)?;
-    let sums = Sums::of_magic(job, &magic).ok_or_else(|| damage("its head is not one"))?;
+    let sums = Sums::of_magic(job, &magic).ok_or_else(|| damage("its head is not valid"))?;
     packer.segment.extend_from_slice(&magic);
     // The head, then every record.
     let mut frame = [0; FRAME];

@@ -1,31 +1,31 @@
-//! Checksums that begin with the file they belong to.
+//! Checksums that also cover the job and the name of their file.
 //!
-//! *Invariant:* a content is whole only under the job and the name under which it was stored: files that two jobs have
-//! exchanged are damaged.
+//! *Invariant:* content is whole only under the job and the name under which it was stored. So files exchanged between
+//! two jobs are damaged.
 
 use super::{EARLIER_MAGIC, MAGIC};
 
-/// CRC-32 over the job, the kind of file, and a content.
+/// CRC-32 over the job, the name of the file, and its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Sums(u32);
 
 impl Sums {
-    /// Over the content alone, as earlier versions made them.
+    /// Checksums over the content alone, as in earlier versions.
     pub(crate) const EARLIER: Self = Self(0);
 
-    /// Those of a file of a job.
+    /// Checksums of a file of a job.
     pub(crate) fn of(job: &str, file: &str) -> Self {
         let mut hash = Self::EARLIER.hasher();
         [job, "\0", file, "\0"].into_iter().for_each(|part| hash.update(part.as_bytes()));
         Self(hash.finalize())
     }
 
-    /// Those of the log of a job.
+    /// Checksums of the log of a job.
     pub(crate) fn of_log(job: &str) -> Self {
         Self::of(job, "log")
     }
 
-    /// Those of a log of a job that begins with these bytes; none if no log does.
+    /// Checksums of a log of a job that begins with these bytes; none if no log begins with them.
     pub(crate) fn of_magic(job: &str, magic: &[u8]) -> Option<Self> {
         if magic == MAGIC {
             return Some(Self::of_log(job));
@@ -33,12 +33,12 @@ impl Sums {
         (magic == EARLIER_MAGIC).then_some(Self::EARLIER)
     }
 
-    /// A checksum under way.
+    /// Starts a checksum.
     pub(crate) fn hasher(self) -> crc32fast::Hasher {
         crc32fast::Hasher::new_with_initial(self.0)
     }
 
-    /// The checksum of a content.
+    /// The checksum of the content.
     pub(crate) fn of_content(self, content: &[u8]) -> u32 {
         let mut hash = self.hasher();
         hash.update(content);

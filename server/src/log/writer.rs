@@ -72,7 +72,7 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// Begins the log of a job at a place. The encoded description of the job is its head.
+    /// Starts the log of a job at a place. The head contains the encoded description of the job.
     pub(crate) fn new(job: &str, place: Box<dyn Place>, tail: Arc<Tail>, info: &Info, description: &[u8]) -> Self {
         let sums = Sums::of_log(job);
         let mut axes = Vec::new();

@@ -1,12 +1,12 @@
 //! The form of a gRPC call: POST, with a content type of gRPC.
 //!
 //! *Invariant:* a request that a page in a browser can send without asking first (GET, or POST with the content type of
-//! a form or a text) reaches no service. Browsers ask before they send any other one (CORS).
+//! a form or a text) reaches no service. Browsers ask before they send any other request (CORS).
 
 use http::header::CONTENT_TYPE;
 use http::{Method, Request, StatusCode};
 
-/// The error of a request that is not a gRPC call; `web` = calls of gRPC-Web are allowed too.
+/// The error of a request that is not a gRPC call. `web` also allows calls of gRPC-Web.
 pub(super) fn wrong<B>(request: &Request<B>, web: bool) -> Option<(StatusCode, &'static str)> {
     if request.method() != Method::POST {
         return Some((StatusCode::METHOD_NOT_ALLOWED, "a gRPC call is a POST; use a gRPC client"));
@@ -25,7 +25,7 @@ pub(super) fn wrong<B>(request: &Request<B>, web: bool) -> Option<(StatusCode, &
     }
 }
 
-/// Whether a content type is one of gRPC, with or without the kind of its messages and parameters.
+/// Whether a content type is one of gRPC, with or without a message format and parameters.
 fn is_grpc(kind: &[u8], web: bool) -> bool {
     let names: &[&[u8]] = if web {
         &[b"application/grpc", b"application/grpc-web", b"application/grpc-web-text"]

@@ -13,7 +13,7 @@ use crate::access::fair::Stay;
 use crate::connections::Call;
 use crate::memory::Taken;
 
-/// Ready when a call has lost its rights, with its answer.
+/// Ready when a call has lost its rights, with the status to end the call.
 pub(super) type Ended = Pin<Box<dyn Future<Output = Status> + Send>>;
 
 /// A body and its call.

@@ -86,8 +86,8 @@ impl Debug {
         }
     }
 
-    /// Until the job ends or the client leaves. A client that has detached may end its side and hears of the end; another
-    /// one that ends its side gets the answers to its commands first.
+    /// Runs until the job ends or the client leaves. A client that has detached receives the end of the job, even if it
+    /// closes its side of the stream. Any other client that closes its side first receives the answers to its commands.
     async fn talk(&mut self, mut told: Streaming<v1::DebugRequest>) -> Result<(), Refusal> {
         let mut state = self.live.follow();
         let mut drain = self.core.drain.follow();

@@ -1,5 +1,5 @@
-//! Files of two jobs that have changed places, and files that are gone: each answer is the truth about its own job, or
-//! the damage of that job by its id.
+//! Files exchanged between two jobs, and missing files: each answer is correct for its own job, or reports damage with
+//! the id of that job.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ async fn whole<T>(answer: Result<tonic::Response<tonic::Streaming<T>>, Status>) 
     Ok(all)
 }
 
-/// The ends of all calls that read the log of a job.
+/// Makes every call that reads the log of a job; returns the error of each.
 async fn reads_of_log(server: &Server, job: &str) -> Vec<(&'static str, Option<Status>)> {
     let (job_id, mut results) = (job.to_owned(), server.results());
     let id = || job_id.clone();
@@ -127,7 +127,7 @@ async fn a_log_that_is_gone_has_one_text_and_its_files_are_still_read() {
     }
     let server = Server::start(options(folder.path())).await;
     for (job, files) in jobs.iter().zip([&[][..], &["a.txt"]]) {
-        assert_lost(&server, job, "it is gone").await;
+        assert_lost(&server, job, "it is missing").await;
         assert_eq!(files_of(&server, job).await.unwrap(), files);
         let get = v1::GetFileRequest { job_id: job.clone(), path: "a.txt".into() };
         let got = whole(server.results().get_file(get).await).await;

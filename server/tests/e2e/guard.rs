@@ -188,7 +188,7 @@ async fn open_calls_end_with_the_rights_of_their_identity() {
     server.stop().await;
 }
 
-/// A role that is lowered ends the calls that it is not for, and no others.
+/// A lowered role ends only the calls that need a higher role.
 #[tokio::test]
 async fn open_calls_that_a_lowered_role_allows_continue() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Outputs of the server that cannot be written, and systems that refuse its threads.
+//! Outputs of the server that cannot be written, and systems that refuse to start its threads.
 
 use std::io::BufRead as _;
 use std::os::unix::process::CommandExt as _;
@@ -50,7 +50,7 @@ async fn a_log_on_a_full_disk_or_without_a_reader_harms_nothing() {
     }
 }
 
-/// A limit of processes ends the start with its reason, not with a panic or a server that hangs.
+/// Under a limit of processes the start ends with the reason, not with a panic or a server that hangs.
 #[test]
 fn a_start_with_too_few_threads_says_how_many_it_needs() {
     if !getuid().is_root() {

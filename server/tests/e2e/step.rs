@@ -92,7 +92,7 @@ async fn each_command_has_an_answer_and_the_end_is_told() {
     server.stop().await;
 }
 
-/// As scripts do that send all commands at once: an answer to each comes before the end of the stream.
+/// A script may send all commands at once: the answer to each comes before the end of the stream.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_client_that_ends_its_side_hears_the_answers_to_its_commands() {
     let data = tempfile::tempdir().unwrap();

@@ -64,7 +64,7 @@ async fn grpc_web_is_spoken_only_where_it_was_switched_on() {
     server.stop().await;
 }
 
-/// What a page in a browser can send by HTTP/2 without asking first.
+/// Requests that a page in a browser can send by HTTP/2 without asking first.
 #[tokio::test]
 async fn a_request_that_is_no_grpc_call_reaches_no_service() {
     let folder = tempfile::tempdir().unwrap();

@@ -22,7 +22,7 @@ use crate::{Done, Work};
 /// Stops after which the operator leaves, so that programs of many blocks do not take long.
 const MOST_STOPS: u32 = 300;
 
-/// One example in so many takes every way.
+/// One example in this number takes every way.
 const SHARE: u64 = 16;
 
 /// Paths of observing that an example takes unless it takes all of them: without macros, and with some.

@@ -1,4 +1,4 @@
-//! Laws that every control obeys: a program written in another way moves the axes alike.
+//! Laws that every control obeys: a program written in another way makes the same moves.
 //!
 //! Random programs of lines, circles, holes, contours, calls and jumps are written for four controls, each in a plain
 //! and in another style. A shift of the zero shifts every position, a mirrored program mirrors them. The unit, absolute
@@ -24,9 +24,9 @@ use writer::{Numbers, Style};
 struct Control {
     machine: &'static str,
     text: fn(&[Step], &Style) -> String,
-    /// It mirrors by a code.
+    /// Whether programs can mirror by a code.
     mirrors: bool,
-    /// The unit is that of the machine: this changes the machine to inches.
+    /// Changes the machine to inches, on a control whose programs do not select the unit.
     inches: Option<&'static str>,
 }
 
@@ -40,7 +40,7 @@ const HEIDENHAIN: Control =
 /// Travel is not tested; the tool has a radius.
 const OVERLAY: &str = "[[diagnostics]]\nnumber = 2900023\nenable = false\n\n[[tool.offsets]]\nnumber = 1\nradius = 2\n";
 
-/// Millimetres that an inch has.
+/// Millimetres per inch.
 const INCH: f64 = 25.4;
 
 /// An event, apart from its line and its time.
@@ -83,7 +83,7 @@ fn run(control: &Control, text: &str, inches: bool) -> Vec<Timed> {
     happened
 }
 
-/// What `style` makes of an event of the plain program.
+/// The event that `style` demands for an event of the plain program.
 fn changed(event: &Happened, style: &Style) -> Happened {
     let Happened::Moved(kind, to, feed) = event else { return event.clone() };
     let mirrored = style.mirrored != style.by_code;
@@ -97,9 +97,9 @@ fn changed(event: &Happened, style: &Style) -> Happened {
     Happened::Moved(kind, [x + by(0), to[1] + by(1), to[2] + by(2)], *feed)
 }
 
-/// The first event of the plain program that the other one does not repeat as its style demands.
+/// The first difference between the other program and the events that its style demands.
 fn difference(plain: &[Timed], other: &[Timed], style: &Style) -> Option<String> {
-    // The way to the first point depends on where the zero is.
+    // The length of the first move depends on the zero.
     let mut moved = style.offset == [0; 3] && style.shift == [0; 3];
     for (at, ((one, took), (two, takes))) in plain.iter().zip(other).enumerate() {
         let wanted = changed(one, style);

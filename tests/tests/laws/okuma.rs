@@ -3,7 +3,7 @@
 use crate::program::{BY_CALL, CLEAR, Step, circle};
 use crate::writer::{Lines, Style, Writer};
 
-/// The machine of `okuma-mill` set to inches; its lengths and rates are those of the file in millimetres.
+/// Sets `okuma-mill` to inches; its lengths and rates equal those of the machine in millimetres.
 pub const INCHES: &str = "units = \"inch\"
 
 [[codes]]

@@ -1,6 +1,6 @@
 //! Random programs without a notation: steps on a grid whose values are exact in millimetres and in inches.
 //!
-//! *Invariant:* a step tells its end from its start alone, so each notation can write it absolute or incremental.
+//! *Invariant:* the end of a step follows from its start alone, so each notation can write it absolute or incremental.
 
 use fastrand::Rng;
 
@@ -9,7 +9,7 @@ pub type Place = [i32; 3];
 
 /// Hundredths of an inch: 0.254 mm.
 pub const GRID_MM: f64 = 0.254;
-/// The same in inches.
+/// The grid in inches.
 pub const GRID_INCH: f64 = 0.01;
 
 /// Z of all programs before and after a hole.
@@ -19,7 +19,7 @@ pub const CLEAR: i32 = 200;
 #[derive(Debug, Clone)]
 pub enum Step {
     Rapid(Place),
-    /// A straight feed; the feed counts ten inches a minute.
+    /// A straight move at feed, in tens of inches a minute.
     Feed(Place, i32),
     /// Quarters of a circle about a centre that lies this far from the start, along X or along Y.
     Circle {
@@ -55,7 +55,7 @@ pub enum Step {
     Speed(u16),
 }
 
-/// What the subprogram does: a step in X and Y for each of its passes.
+/// The move of the subprogram in X and Y on each pass.
 pub const BY_CALL: [i32; 2] = [7, -4];
 
 /// A program of up to twelve steps.
@@ -90,7 +90,7 @@ fn step(rng: &mut Rng) -> Step {
     }
 }
 
-/// Long lines in X and Y, each at another place than the one before it.
+/// Corners of a contour of long lines in X and Y; successive corners differ.
 fn contour(rng: &mut Rng) -> Vec<[i32; 2]> {
     let mut points: Vec<[i32; 2]> = Vec::new();
     while points.len() < 5 {

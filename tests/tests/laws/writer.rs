@@ -1,13 +1,13 @@
-//! What all notations share when they write a program: where it is, how it writes values, numbers and comments.
+//! Parts that all notations share: the current position, and the writing of values, block numbers and comments.
 
 use fastrand::Rng;
 
 use crate::program::{GRID_INCH, GRID_MM, Place};
 
-/// Numbers of blocks.
+/// Block numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Numbers {
-    /// Only where a jump leads.
+    /// Only at the targets of jumps.
     Needed,
     /// Each block, by this step from this number.
     Every(u32, u32),
@@ -21,7 +21,7 @@ pub struct Style {
     pub numbers: Numbers,
     /// Comments and blanks are inserted, by this seed.
     pub filler: Option<u64>,
-    /// X and the sides are exchanged in the text.
+    /// The text has X mirrored, and the directions of circles and the sides of contours exchanged.
     pub mirrored: bool,
     /// X is mirrored by a code of the control.
     pub by_code: bool,
@@ -54,7 +54,7 @@ struct Block {
     bare: bool,
 }
 
-/// A program that is written.
+/// A program that is being written.
 pub struct Writer {
     pub style: Style,
     pub at: Place,
@@ -62,7 +62,7 @@ pub struct Writer {
     marks: u32,
 }
 
-/// The differences between the notations as far as lines are concerned.
+/// The differences between the notations in the form of a line.
 pub struct Lines {
     /// Before the number of a block.
     pub number: &'static str,
@@ -102,12 +102,12 @@ impl Writer {
         }
     }
 
-    /// A feed that counts ten inches a minute, in inches or millimetres.
+    /// A feed in tens of inches a minute, converted to inches or millimetres.
     pub fn feed(&self, tens: i32) -> i32 {
         if self.style.inches { tens * 10 } else { tens * 254 }
     }
 
-    /// X is on the other side in a mirrored program.
+    /// The place, with X on the other side in a mirrored program.
     pub fn side(&self, place: Place) -> Place {
         if self.style.mirrored { [-place[0], place[1], place[2]] } else { place }
     }

@@ -247,10 +247,10 @@ pub(super) fn read(text: &str) -> Result<Line, String> {
     }
 }
 
-/// Statements of loops and branches stand in a block of their own, and those without axis words not beside some.
+/// Refuses other words beside statements of loops and branches, and axis words beside statements that take none.
 fn alone(line: Line) -> Result<Line, String> {
     if let Some((statement, axis)) = super::own_block::axis_beside_statement(&line.items) {
-        return Err(format!("{statement} takes no axis word; move {axis} to a block of its own"));
+        return Err(format!("{statement} takes no axis word; program {axis} in a block of its own"));
     }
     let is_structure = |item: &&Item| {
         matches!(

@@ -91,7 +91,7 @@ impl Siemens {
 /// Refuses words after MCALL that neither call a subprogram nor are a code of the machine.
 fn not_called(host: &mut dyn Host, items: &[Item], words: &str) -> Outcome<()> {
     match items.iter().find(|item| !matches!(item, Item::Passes(..))) {
-        // A macro of the machine has taken the name, or given another text for it.
+        // A macro of the machine has taken or replaced the name.
         Some(Item::Bare(name) | Item::Function(name, _)) if !words.contains(name.as_str()) => Ok(()),
         Some(Item::Bare(name) | Item::Function(name, _)) => {
             if host.is_code_text(name) || host.is_register(&format!("{name}(")) {

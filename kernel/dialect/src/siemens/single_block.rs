@@ -2,10 +2,10 @@
 //!
 //! *Invariant:* they never change the log.
 
-/// The key words, and whether they show blocks.
+/// The keywords, and whether they show blocks.
 const WORDS: [(&[u8], bool); 4] = [(b"SBLOF", false), (b"DISPLOF", false), (b"SBLON", true), (b"DISPLON", true)];
 
-/// Whether a block shows or hides the blocks from it to the return of its program; none if it has none of the words.
+/// Whether a block shows or hides the blocks from it to the return of its program; none if it has no such keyword.
 pub(super) fn shows_blocks(text: &[u8]) -> Option<bool> {
     let mut outside_texts = text.split(|byte| *byte == b'"').step_by(2);
     outside_texts.find_map(|part| {

@@ -203,7 +203,7 @@ impl Kernel<'_> {
         false
     }
 
-    /// The same for a macro, which may ask for data whose rows are all off.
+    /// Refuses a word for a macro. Unlike an action, a macro may ask for data whose rows are all switched off.
     #[cold]
     pub(crate) fn refuse_word(&mut self, id: DataId) {
         if self.channel.block.present & self.plan.data.refused[id] & !RECALLED != 0 {
@@ -211,7 +211,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// A code hands its value over, but the row of the data says that nothing may take it.
+    /// Refuses the value of a code as data if the row of the data is not processed.
     #[cold]
     pub(crate) fn refuse_handed(&mut self, handed: Handed) -> bool {
         let machine = self.channel.env.machine;

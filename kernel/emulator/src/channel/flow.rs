@@ -121,7 +121,7 @@ pub(crate) struct Flow {
     /// The pre-processor of another control calls after blocks that move.
     pub(crate) modal_text: bool,
     pub(crate) pass: Passes,
-    /// Steps go over the blocks of the programs from this number of running programs on.
+    /// Steps go over all blocks while at least this number of programs run; none if no program hides its blocks.
     pub(crate) hidden_from: Option<usize>,
     /// The program has jumped back or called, so a line may run again.
     pub(crate) repeats: bool,

@@ -82,7 +82,7 @@ impl Kernel<'_> {
         if let Halt::ProgramEnd(_) = halt
             && let Err(limit) = self.check_limits()
         {
-            // The last block has no block after it that would see the limit.
+            // No later block checks the limit for the last block.
             halt = limit;
         }
         self.close_files(halt);

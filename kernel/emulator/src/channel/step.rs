@@ -56,14 +56,14 @@ impl Kernel<'_> {
         }
     }
 
-    /// Whether the block is in a program that hides its blocks from steps; looks for statements that do so.
+    /// Whether steps go over the block because its program hides its blocks. Reads statements that hide or show blocks.
     fn hides_block(&mut self) -> bool {
         let at = &self.channel.at;
         let running = self.flow.frames.len();
         self.flow.hidden_from = self.flow.hidden_from.filter(|from| *from <= running);
         let source = self.channel.env.sources.get(at.file);
         let line = |line| source.map(|source| source.line(line)).unwrap_or_default();
-        // The declaration is behind the head of the program and its first remarks.
+        // The declaration comes after the head of the program and its first comments.
         let is_head = |text: &[u8]| matches!(text.trim_ascii_start().first(), None | Some(b'%' | b';'));
         let begins = self.flow.frames.last().is_some_and(|frame| frame.range.first == at.line);
         let last = self.flow.frames.last().filter(|_| begins).map_or(at.line, |frame| frame.range.last);

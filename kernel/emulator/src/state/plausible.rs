@@ -17,7 +17,7 @@ pub(crate) struct Plausible {
     pub(crate) thread: bool,
     pub(crate) feed: bool,
     pub(crate) spindle: bool,
-    /// The spindle and its speed above the maximum that were reported last, until it has another speed.
+    /// Spindle and speed of the last report of a speed above the maximum, until the spindle has another speed.
     pub(crate) over_speed: Option<(SpindleId, f64)>,
     /// Another channel changed the speed of a spindle during a move that was timed with it.
     pub(crate) changed_speed: bool,

@@ -34,7 +34,7 @@ impl Channel {
         self.deepest.is_none_or(|deepest| level <= deepest)
     }
 
-    /// Whether the block where it was seen last counts for a step.
+    /// Whether the block at which the channel was last seen counts for a step.
     fn counts_here(&self) -> bool {
         self.seen.as_ref().is_none_or(|seen| self.counts(seen.level))
     }

@@ -255,7 +255,7 @@ impl<'a> Director<'a> {
         Ok(())
     }
 
-    /// To the block after the return from this number of calls.
+    /// Runs the channels to the block after the return from this number of calls.
     fn step_out(&self, state: &mut State, whom: Whom, calls: u32) -> Result<(), String> {
         let inside = |channel: &Channel| channel.seen.as_ref().map_or(0, |seen| seen.level);
         let runs = |channel: &Channel| matches!(self.doing(channel.number), Doing::Running | Doing::Waiting);

@@ -97,7 +97,7 @@ pub(super) fn parse_digits(line: &[u8], at: usize) -> Option<(Digits<'_>, usize)
     let whole = text.len() - after.len();
     let (mantissa, fraction, point, length) = match after {
         [b'.', decimals @ ..] => {
-            // Most decimals of a program made by a CAM system are at least four digits.
+            // Most numbers in programs of CAM systems have at least four decimals.
             let (mantissa, after) = four_digits(mantissa, decimals);
             let (mantissa, after) = leading_digits(mantissa, after);
             let fraction = decimals.len() - after.len();

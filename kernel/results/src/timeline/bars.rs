@@ -29,9 +29,9 @@ pub struct Bar {
     /// File of its blocks in the user's programs; of joined bars that of the first one.
     #[serde(skip)]
     pub file: FileId,
-    /// Least line of its blocks in that file.
+    /// Lowest line of its blocks in that file.
     pub line: u32,
-    /// Greatest line of its blocks in that file; a loop or a jump back can run them in another order.
+    /// Highest line of its blocks in that file; a loop or a jump back can run the lines in another order.
     pub end_line: u32,
     /// Mark of a wait.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -70,7 +70,7 @@ impl Bar {
         Self { kind, t_ns, dur_ns, file, line, end_line: line, label: None, carried: None, own_ns: dur_ns }
     }
 
-    /// Goes on with the same kind of work in the same file.
+    /// Extends the bar by the same kind of work in the same file.
     #[inline]
     fn extend(&mut self, dur_ns: i64, line: u32) {
         self.dur_ns += dur_ns;
@@ -125,7 +125,7 @@ impl Bars {
         self.push_other(Bar::new(kind, (t_ns, dur_ns), place));
     }
 
-    /// A stretch of work of another kind or in another file than the last one.
+    /// Adds work of another kind or in another file than the last bar.
     fn push_other(&mut self, mut bar: Bar) {
         if let Some(last) = self.bars.last_mut()
             && last.dur_ns < self.grain_ns

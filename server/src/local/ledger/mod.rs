@@ -101,7 +101,7 @@ impl Drop for Reply {
     }
 }
 
-/// The ledger cannot be written after its writer has ended, whatever has ended it.
+/// Marks the ledger as not writable when its writer ends for any reason.
 struct WriterEnd(Arc<Shared>);
 
 impl Drop for WriterEnd {
