@@ -1,5 +1,5 @@
-//! Nothing is accepted that does nothing: each statement that works on blocks, at each place of macros, changes the log
-//! of the job, is a finding of the machine, or is diagnosed in the run.
+//! No statement lacks both an effect and a report: at each place of macros, each statement that works on blocks changes
+//! the log of the job, is a finding of the machine, or raises a diagnostic in the run.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -58,7 +58,7 @@ G0 Y2.
 M99
 ";
 
-/// What the machine's findings and the log of the job show.
+/// The findings of the machine and the log of the job, as text.
 fn shown(place: &str, text: &str) -> String {
     let definition = format!("extends = \"mill100\"\n{}\n\n[ce]\nname = \"it\"\n", place.replace("FILE", "\"it.mac\""));
     let mut folder = Memory::default();

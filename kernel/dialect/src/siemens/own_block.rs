@@ -40,7 +40,7 @@ fn takes_no_axes(name: &str) -> bool {
     PROCEDURES.contains(&name) || is_cycle()
 }
 
-/// A word of an axis: one letter, perhaps with a number of the axis.
+/// Whether a word is that of an axis: one letter, with or without a number.
 fn is_axis(word: &str) -> bool {
     let mut bytes = word.bytes();
     let letter = bytes.next().is_some_and(|byte| matches!(byte.to_ascii_uppercase(), b'A'..=b'C' | b'U'..=b'Z'));
