@@ -185,10 +185,7 @@ fn command(command: v1::DebugCommand) -> Result<Command, Refusal> {
 
 fn added(breakpoint: v1::Breakpoint) -> Result<Breakpoint, Refusal> {
     let v1::Breakpoint { at, count, once, .. } = breakpoint;
-    let short = |field: &str, text: String| {
-        let refuse = || Refusal::field(format!("command.add.{field}"), format!("has more than {TEXT} bytes"));
-        if text.len() <= TEXT { Ok(text) } else { Err(refuse()) }
-    };
+    let short = |field: &str, text: String| door::place(&format!("command.add.{field}"), &text, TEXT).map(|()| text);
     let spot = match at.ok_or_else(|| Refusal::field("command.add.at", "is missing"))? {
         At::Wait(key) => Spot::Wait(short("wait", key)?),
         At::Write(name) => Spot::Write(short("write", name)?),

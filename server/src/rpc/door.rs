@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 
+use counterpoint_kernel::event::letters::{ALL as LETTERS, Letters};
 use counterpoint_proto::v1;
 use tonic::{Request, Status};
 
@@ -25,6 +26,16 @@ const PATH: usize = 255;
 const WRITTEN: usize = 4096;
 /// Most values of the answer to a dialog.
 const VALUES: usize = 1000;
+/// Most answers to dialogs.
+const ANSWERS: usize = 10_000;
+/// Most states of a filter, levels of optional skip, and channels.
+const STATES: usize = 16;
+const LEVELS: usize = 16;
+const CHANNELS: usize = 1000;
+/// Most digests of a question.
+const DIGESTS: usize = 10_000;
+/// Most bytes of a chunk of an upload.
+const UPLOAD: usize = 1 << 20;
 
 /// A request whose texts have limits.
 pub(super) trait Bounded {
@@ -52,7 +63,9 @@ pub(super) fn id(field: &str, text: &str) -> Result<(), Refusal> {
 /// Name of a machine, perhaps with its revision; none is fine.
 fn machine(field: &str, text: &str) -> Result<(), Refusal> {
     let allowed = text.bytes().all(|b| b.is_ascii_alphanumeric() || b"._-@".contains(&b));
-    check(text.len() <= 96 && allowed, field, "must be at most 96 characters of A-Z a-z 0-9 . _ - @")
+    let (name, revision) = text.split_once('@').unwrap_or((text, ""));
+    let rule = "must be at most 64 characters of A-Z a-z 0-9 . _ -, with a revision @ and 16 more";
+    check(name.len() <= 64 && revision.len() <= 16 && allowed, field, rule)
 }
 
 /// Identity that a client gives to its request.
@@ -102,10 +115,35 @@ fn labels(field: &str, labels: &BTreeMap<String, String>) -> Result<(), Refusal>
 /// Files of a machine or a job: path and digest.
 fn files<'a>(files: impl Iterator<Item = (&'a str, &'a str)>) -> Result<(), Refusal> {
     for (at, (of_file, content)) in files.enumerate() {
-        path(&format!("files[{at}].path"), of_file)?;
-        digest(&format!("files[{at}].digest"), content)?;
+        // The name of a field is made for a refusal only.
+        path("", of_file).or_else(|_| path(&format!("files[{at}].path"), of_file))?;
+        digest("", content).or_else(|_| digest(&format!("files[{at}].digest"), content))?;
     }
     Ok(())
+}
+
+/// A list with a limit.
+fn list<T>(field: &str, list: &[T], most: usize) -> Result<(), Refusal> {
+    check(list.len() <= most, field, format!("must have at most {most} entries, has {}", list.len()))
+}
+
+/// Letters of a trace.
+fn trace(field: &str, text: &str) -> Result<(), Refusal> {
+    line(field, text, PATH)?;
+    let letters = Letters::parse(text).map(drop);
+    letters.map_err(|letter| Refusal::field(field, format!("must be letters of {LETTERS}, or all; not {letter:?}")))
+}
+
+/// A chunk of an upload.
+pub(super) fn chunk(data: &[u8]) -> Result<(), Refusal> {
+    let rule = || format!("must have at most {UPLOAD} bytes in a chunk: divide the content");
+    if data.len() <= UPLOAD { Ok(()) } else { Err(Refusal::field("data", rule())) }
+}
+
+/// The place of a breakpoint.
+pub(super) fn place(field: &str, text: &str, most: usize) -> Result<(), Refusal> {
+    let good = text.len() <= most && !text.chars().any(char::is_control);
+    check(good, field, format!("must have at most {most} bytes and no control characters"))
 }
 
 /// The answer to a dialog.
@@ -121,6 +159,7 @@ fn filter(filter: Option<&v1::JobFilter>) -> Result<(), Refusal> {
     let Some(filter) = filter else { return Ok(()) };
     machine("filter.machine", &filter.machine)?;
     labels("filter.labels", &filter.labels)?;
+    list("filter.states", &filter.states, STATES)?;
     line("filter.id_prefix", &filter.id_prefix, 64)
 }
 
@@ -157,15 +196,16 @@ bounded! {
     ListFilesRequest { job_id: id, page_token: token }
     GetFileRequest { job_id: id, path: token }
     GetMachineRequest { name: machine }
-    ListMachinesRequest { page_token: token }
+    ListMachinesRequest { page_token: machine }
     DeleteMachineRequest { name: machine }
     DownloadRequest { digest: digest }
 }
 
 impl Bounded for v1::FindMissingRequest {
     fn bounded(&self) -> Result<(), Refusal> {
+        list("digests", &self.digests, DIGESTS)?;
         let mut digests = self.digests.iter().enumerate();
-        digests.try_for_each(|(at, of_file)| digest(&format!("digests[{at}]"), of_file))
+        digests.try_for_each(|(at, text)| digest("", text).or_else(|_| digest(&format!("digests[{at}]"), text)))
     }
 }
 
@@ -186,6 +226,7 @@ impl Bounded for v1::CheckMachineRequest {
 impl Bounded for v1::ListJobsRequest {
     fn bounded(&self) -> Result<(), Refusal> {
         line("page_token", &self.page_token, 64)?;
+        list("states", &self.states, STATES)?;
         filter(self.filter.as_ref())
     }
 }
@@ -219,7 +260,10 @@ impl Bounded for v1::SubmitJobRequest {
             }
         }
         let Some(options) = &self.options else { return Ok(()) };
-        line("options.trace", &options.trace, PATH)?;
+        trace("options.trace", &options.trace)?;
+        list("options.opskip", &options.opskip, LEVELS)?;
+        list("options.ignore_waits", &options.ignore_waits, CHANNELS)?;
+        list("options.answers", &options.answers, ANSWERS)?;
         line("options.parameters", &options.parameters, PARAMETERS)?;
         let mut answers = options.answers.iter().enumerate();
         answers.try_for_each(|(at, of_dialog)| answer(&format!("options.answers[{at}]"), of_dialog))

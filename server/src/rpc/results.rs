@@ -123,6 +123,10 @@ impl Service for Results {
         let (caller, request) = enter(request)?;
         let mut files = written(&self.0, &caller, request.job_id).await?;
         files.sort();
+        let known = |file: &(String, String)| file.0 == request.page_token;
+        if !request.page_token.is_empty() && !files.iter().any(known) {
+            return Err(Refusal::field("page_token", "is not a next_page_token of this call").into());
+        }
         let (files, next_page_token) = page(files, request.page_size, 10_000, &request.page_token, |file| &file.0);
         let file = |(path, text): (String, String)| v1::WrittenFile { path, size: text.len() as u64 };
         Ok(Response::new(v1::ListFilesResponse { files: files.into_iter().map(file).collect(), next_page_token }))

@@ -216,12 +216,16 @@ async fn breakpoints(door: &mut Door<'_>) {
     use v1::debug_request::Content;
     let long = "x".repeat(5000);
     let line = v1::BreakLine { file: long.clone(), line: 1 };
-    for (text, at, field) in [
+    for (number, (text, at, field)) in [
         ("Breakpoint.wait", At::Wait(long.clone()), "wait"),
+        ("Breakpoint.wait", At::Wait("M\x00100".to_owned()), "wait"),
         ("Breakpoint.write", At::Write(long.clone()), "write"),
         ("BreakLine.file", At::Line(line), "line.file"),
-    ] {
-        let mut request = door.server.request(&text.replace('.', "-"), "STEP a").await;
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let mut request = door.server.request(&format!("breakpoint-{number}"), "STEP a").await;
         request.options = Some(v1::JobOptions { stepped: true, ..Default::default() });
         let job = door.server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
         let add = What::Add(v1::Breakpoint { at: Some(at), ..Default::default() });
@@ -239,4 +243,76 @@ async fn breakpoints(door: &mut Door<'_>) {
         door.seen.insert(text.to_owned());
         door.server.jobs().cancel_job(v1::CancelJobRequest { job_id: job }).await.unwrap();
     }
+}
+
+/// Lists as long as the limit and longer, and texts that are not of their kind.
+#[tokio::test]
+async fn lists_have_limits_and_letters_tokens_and_names_are_of_their_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let mut door = Door { server: &server, seen: BTreeSet::new() };
+    for states in [17, 1_000_000] {
+        let states = vec![v1::JobState::Queued as i32; states];
+        let list = v1::ListJobsRequest { states: states.clone(), ..Default::default() };
+        door.refuses("Jobs/ListJobs", list, "", "states").await;
+        let filter = Some(v1::JobFilter { states, ..Default::default() });
+        let list = v1::ListJobsRequest { filter: filter.clone(), ..Default::default() };
+        door.refuses("Jobs/ListJobs", list, "", "filter.states").await;
+        let watch = v1::WatchJobsRequest { filter, ..Default::default() };
+        door.refuses("Jobs/WatchJobs", watch, "", "filter.states").await;
+    }
+    let list = v1::ListJobsRequest { states: vec![v1::JobState::Queued as i32; 16], ..Default::default() };
+    server.jobs().list_jobs(list).await.unwrap();
+    let find = v1::FindMissingRequest { digests: vec![digest(b"x"); 10_001] };
+    door.refuses("Blobs/FindMissing", find, "", "digests").await;
+    let whole = server.request("r", "EVENTS 1").await;
+    let of = |options: v1::JobOptions| v1::SubmitJobRequest { options: Some(options), ..whole.clone() };
+    let answers = vec![v1::DialogAnswer { dialog: "D".into(), ..Default::default() }; 10_001];
+    for (field, options) in [
+        ("options.opskip", v1::JobOptions { opskip: vec![1; 17], ..Default::default() }),
+        ("options.ignore_waits", v1::JobOptions { ignore_waits: vec![1; 1001], ..Default::default() }),
+        ("options.answers", v1::JobOptions { answers, ..Default::default() }),
+        ("options.trace", v1::JobOptions { trace: "Q!?".into(), ..Default::default() }),
+        ("options.trace", v1::JobOptions { trace: "b\u{2028}a".into(), ..Default::default() }),
+    ] {
+        door.refuses("Jobs/SubmitJob", of(options), "", field).await;
+    }
+    let longest = format!("{}@{}", "m".repeat(64), "0".repeat(16));
+    let get = |name: String| v1::GetMachineRequest { name, ..Default::default() };
+    assert_eq!(reason(&server.machines().get_machine(get(longest.clone())).await.unwrap_err()), "UNKNOWN_MACHINE");
+    for name in [longest + "0", "m".repeat(65)] {
+        door.refuses("Machines/GetMachine", get(name), "", "name").await;
+    }
+    let list = v1::ListMachinesRequest { page_token: "\u{2028}".into(), ..Default::default() };
+    door.refuses("Machines/ListMachines", list, "", "page_token").await;
+    // A limit above the maximum means the maximum; a token is that of a page.
+    let limits = v1::JobLimits { nesting: u32::MAX, ..Default::default() };
+    let options =
+        v1::JobOptions { limits: Some(limits), opskip: vec![1; 16], trace: "iEw".into(), ..Default::default() };
+    let job = server.jobs().submit_job(of(options)).await.unwrap().into_inner().status.unwrap().job_id;
+    server.wait(&job).await;
+    assert_eq!(server.script.limits.lock().unwrap().as_ref().unwrap().nesting, 1000);
+    let list = v1::ListFilesRequest { job_id: job, page_token: "none".into(), ..Default::default() };
+    assert_eq!(reason(&server.results().list_files(list).await.unwrap_err()), "INVALID_REQUEST");
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_chunk_of_an_upload_has_a_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let content = vec![7; (1 << 20) + 1];
+    let upload = |parts: &[&[u8]]| {
+        let part = |data: &&[u8]| v1::UploadRequest { data: data.to_vec().into(), ..Default::default() };
+        let mut chunks: Vec<_> = parts.iter().map(part).collect();
+        chunks[0].digest = digest(&content);
+        let mut blobs = server.blobs();
+        async move { blobs.upload(tokio_stream::iter(chunks)).await }
+    };
+    for parts in [&[&content[..]][..], &[&[], &content]] {
+        let refused = upload(parts).await.unwrap_err();
+        assert_eq!(refused.get_error_details().bad_request().unwrap().field_violations[0].field, "data");
+    }
+    upload(&[&content[..1 << 20], &content[1 << 20..]]).await.unwrap();
+    server.stop().await;
 }
