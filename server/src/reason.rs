@@ -112,13 +112,13 @@ pub enum Refusal {
     MemoryFull(u64),
     /// The request is larger than the whole memory budget of the server.
     #[error(
-        "the request needs {bytes} bytes of memory, more than the whole budget of the server (memory_bytes = \
-         {budget}): make the request smaller, or ask the administrator to raise the budget"
+        "the request needs {bytes} bytes of memory, more than the {budget} that such requests may have on this server: \
+         make the request smaller, or ask the administrator to raise memory_bytes"
     )]
     BeyondMemory {
         /// Bytes of the request.
         bytes: u64,
-        /// The whole budget.
+        /// The part of the budget that it could have.
         budget: u64,
     },
     /// The server is going down; `cursor` is where a watch may continue.

@@ -45,7 +45,7 @@ pub(super) struct Board {
     /// Jobs with a deadline that has not been reached, in its order.
     deadlines: Mutex<BTreeSet<(i64, String)>>,
     pub(super) feed: Feed,
-    /// Of jobs here, of submits in progress and of answers not yet sent.
+    /// Memory of jobs here, of submits in progress and of answers not yet sent.
     pub(super) memory: Arc<Memory>,
     /// Jobs on worker threads.
     running: watch::Sender<usize>,

@@ -106,6 +106,8 @@ pub(crate) struct Query {
     /// After this job in the order asked for; empty = from the start.
     pub(crate) after: String,
     pub(crate) count: usize,
+    /// Most bytes of the rows of the page; a single job may have more. 0 = [`PAGE_BYTES`].
+    pub(crate) most_bytes: u64,
     /// The page has the short identities of its jobs.
     pub(crate) short_ids: bool,
 }

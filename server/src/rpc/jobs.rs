@@ -16,7 +16,7 @@ use super::door::enter;
 use super::{Jobs, blocking, job, submit, watch, watch_jobs};
 use crate::jobs::describe::{description, options, status};
 use crate::jobs::filter::{self, Filter};
-use crate::ledger::Query;
+use crate::ledger::{PAGE_BYTES, Query};
 use crate::log::reader::Reader;
 use crate::memory::Taken;
 use crate::reason::Refusal;
@@ -54,8 +54,9 @@ impl Service for Jobs {
         let parent = request.metadata().get("traceparent").and_then(|value| value.to_str().ok()).unwrap_or_default();
         let traceparent = trace::parse(parent).map_or_else(String::new, |_| parent.trim().to_owned());
         let (core, (caller, request)) = (self.0.clone(), enter(request)?);
-        let _taken = core.memory().take(SUBMIT_COPIES * request.encoded_len() as u64)?;
         let tenant = caller.tenant().to_owned();
+        let bytes = SUBMIT_COPIES * request.encoded_len() as u64;
+        let _taken = submit::memory(&core, &tenant, &request.request_id, bytes).await?;
         let (mut record, work) = blocking(move || submit::record(&core, &tenant, request)).await?;
         record.runs.traceparent = traceparent;
         let (record, duplicate) = self.0.submit(record, work).await?;
@@ -85,7 +86,7 @@ impl Service for Jobs {
                 status: Some(status(record)),
                 description,
             };
-            let taken = core.memory().take(ANSWER_COPIES * answer.encoded_len() as u64)?;
+            let taken = core.memory().take_for_answer(ANSWER_COPIES * answer.encoded_len() as u64)?;
             Ok(counted(answer, taken))
         };
         Ok(blocking(read).await?)
@@ -114,10 +115,12 @@ impl Service for Jobs {
                 newest_first: request.newest_first,
                 short_ids: request.short_ids,
                 after: request.page_token,
+                // With a small budget pages are small, so that two of them fit.
+                most_bytes: PAGE_BYTES.min(core.memory().of_answers() / (2 * ANSWER_COPIES)),
                 ..filter.query(&tenant, core.busy(), size)
             };
             let page = core.ledger.jobs(&query)?;
-            let taken = core.memory().take(ANSWER_COPIES * page.bytes)?;
+            let taken = core.memory().take_for_answer(ANSWER_COPIES * page.bytes)?;
             let mut jobs: Vec<_> = page.jobs.into_iter().map(|record| status(core.current(record))).collect();
             for (job, short_id) in jobs.iter_mut().zip(page.short_ids) {
                 job.short_id = short_id;
@@ -198,11 +201,10 @@ impl Service for Jobs {
             return Err(Refusal::Draining { cursor: 0 }.into());
         }
         let (core, (caller, request)) = (self.0.clone(), enter(request)?);
-        let (record, work) = blocking(move || {
-            let earlier = job(&core, &caller, &request.job_id)?;
-            submit::rerun(&core, earlier, request)
-        })
-        .await?;
+        let earlier = job(&core, &caller, &request.job_id)?;
+        let bytes = SUBMIT_COPIES * earlier.bytes();
+        let _taken = submit::memory(&core, caller.tenant(), &request.request_id, bytes).await?;
+        let (record, work) = blocking(move || submit::rerun(&core, earlier, request)).await?;
         let (record, duplicate) = self.0.submit(record, work).await?;
         Ok(Response::new(v1::RerunJobResponse { status: Some(status(record)), duplicate }))
     }

@@ -3,6 +3,7 @@
 //! Invariant: a record that passes names an existing machine, only clean paths, and only blobs that are there.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use counterpoint_kernel::diag;
 use counterpoint_kernel::dialog::answers::{Answer, Value};
@@ -12,10 +13,12 @@ use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 use prost::Message as _;
 
+use super::blocking;
 use crate::blobs::digest;
 use crate::jobs::Core;
 use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, Work, now_ms};
 use crate::machines::{Definition, candidates, is_shipped};
+use crate::memory::Taken;
 use crate::reason::Refusal;
 
 /// Checks a request and makes the record of a new job.
@@ -56,6 +59,20 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
         ..Record::queued(&work)
     };
     Ok((record, work))
+}
+
+/// Takes memory for a request for a job. One that repeats an earlier one is only answered, so it can have memory of
+/// answers.
+pub(super) async fn memory(core: &Arc<Core>, tenant: &str, request_id: &str, bytes: u64) -> Result<Taken, Refusal> {
+    let full = match core.memory().take(bytes) {
+        Err(full @ Refusal::MemoryFull(_)) => full,
+        other => return other,
+    };
+    let (asked, tenant, request_id) = (core.clone(), tenant.to_owned(), request_id.to_owned());
+    match blocking(move || asked.ledger.by_request(&tenant, &request_id)).await? {
+        Some(_) => core.memory().take_for_answer(bytes),
+        None => Err(full),
+    }
 }
 
 /// Checks a request and makes the record of a job that runs another one again.
@@ -230,7 +247,7 @@ fn asked_limits(asked: &v1::JobLimits) -> Result<Option<Limits>, Refusal> {
         zero_time_blocks: asked.zero_time_blocks,
         events: asked.events,
         block_length: asked.block_length as usize,
-        nesting: small("options.limits.nesting", u64::from(asked.nesting), 0, 1000)?,
+        nesting: u16::try_from(asked.nesting).unwrap_or(u16::MAX),
         diagnostics: asked.diagnostics,
         memory: asked.memory,
         macro_steps: asked.macro_steps,

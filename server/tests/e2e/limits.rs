@@ -198,8 +198,9 @@ async fn requests_beyond_the_memory_budget_are_refused_and_fit_again_when_jobs_h
     let answer = v1::DialogAnswer { dialog: "D".into(), values: [("V".to_owned(), text)].into(), ..Default::default() };
     request.options = Some(v1::JobOptions { answers: vec![answer], ..Default::default() });
     let refused = server.jobs().submit_job(request).await.unwrap_err();
-    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::ResourceExhausted, "MEMORY_FULL"));
-    assert!(refused.get_error_details().retry_info().is_some());
+    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::FailedPrecondition, "BEYOND_MEMORY"));
+    let ended = server.submit("ended", "EVENTS 1").await;
+    server.wait(&ended).await;
     let mut waiting = Vec::new();
     let full = loop {
         let request = server.request(&format!("waits-{}", waiting.len()), "HANG").await;
@@ -208,8 +209,27 @@ async fn requests_beyond_the_memory_budget_are_refused_and_fit_again_when_jobs_h
             Err(refused) => break refused,
         }
     };
-    assert_eq!(reason(&full), "MEMORY_FULL");
+    assert_eq!((full.code(), reason(&full).as_str()), (Code::ResourceExhausted, "MEMORY_FULL"));
+    assert!(full.get_error_details().retry_info().is_some());
     assert!((20..50).contains(&waiting.len()), "some kilobytes for each job that waits: {}", waiting.len());
+    let rerun = v1::RerunJobRequest { request_id: "again".into(), job_id: ended.clone(), ..Default::default() };
+    assert_eq!(reason(&server.jobs().rerun_job(rerun).await.unwrap_err()), "MEMORY_FULL");
+    // Jobs can be looked at, and a submit whose answer was lost is repeated.
+    let again = server.request("waits-0", "HANG").await;
+    let again = server.jobs().submit_job(again).await.unwrap().into_inner();
+    assert!(again.duplicate && again.status.unwrap().job_id == waiting[0]);
+    assert_eq!(server.status(&waiting[0]).await.request_id, "waits-0");
+    let (mut listed, mut page_token) = (0, String::new());
+    loop {
+        let request = v1::ListJobsRequest { page_token, page_size: 500, ..Default::default() };
+        let page = server.jobs().list_jobs(request).await.unwrap().into_inner();
+        listed += page.jobs.len();
+        page_token = page.next_page_token;
+        if page_token.is_empty() {
+            break;
+        }
+    }
+    assert_eq!(listed, waiting.len() + 1);
     server.script.hang.store(false, Ordering::SeqCst);
     for job in &waiting {
         let cancel = v1::CancelJobRequest { job_id: job.clone() };

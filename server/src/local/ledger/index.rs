@@ -280,6 +280,7 @@ pub(super) fn page(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal
 
 fn jobs(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal> {
     let jobs = txn.open_table(JOB).map_err(storage)?;
+    let most_bytes = if query.most_bytes == 0 { PAGE_BYTES } else { query.most_bytes };
     let mut walk = Walk { index: txn.open_table(INDEX).map_err(storage)?, query, left: STEPS };
     let mut conditions = conditions(query);
     let (first, last) = ends(query);
@@ -334,7 +335,7 @@ fn jobs(txn: &ReadTransaction, query: &Query) -> Result<Page, Refusal> {
         }
         if let Some(row) = jobs.get(bound.as_str()).map_err(storage)? {
             let bytes = row.value().len() as u64;
-            if !page.jobs.is_empty() && page.bytes.saturating_add(bytes) > PAGE_BYTES {
+            if !page.jobs.is_empty() && page.bytes.saturating_add(bytes) > most_bytes {
                 page.next = page.jobs.last().map(|job| job.id.clone());
                 return Ok(page);
             }

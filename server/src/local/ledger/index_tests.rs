@@ -122,6 +122,7 @@ fn pages_hold_what_a_look_at_every_job_finds() {
             after: String::new(),
             count: 1 + random(r) % 40,
             short_ids: false,
+            most_bytes: 0,
         };
         let expected = jobs.scanned(&query);
         seen += expected.len();
