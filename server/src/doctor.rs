@@ -1,6 +1,7 @@
 //! Examines a data folder without a server: every damage with its place and remedy.
 //!
-//! Invariant: without `repair` nothing in the folder changes; a repair removes only unreadable or unusable data.
+//! Invariant: without `repair` nothing in the folder changes; a repair removes only unreadable or unusable data. When
+//! rows of jobs may have been lost, folders without a job are set aside instead.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -12,7 +13,7 @@ use crate::local::blobs::LocalBlobs;
 use crate::local::contained::contained;
 use crate::local::ledger::checkup::{Checkup, Rows};
 use crate::local::ledger::salvage::Saved;
-use crate::local::ledger::{lost, not_lost};
+use crate::local::ledger::{lost, lost_for_good, not_lost};
 use crate::local::store::Store;
 use crate::log::kept::Kept;
 use crate::log::reader::{Events, Reader};
@@ -45,7 +46,8 @@ impl fmt::Display for Damage {
 /// When the folder cannot be examined: it is not there, a server uses it, or it cannot be read or written.
 pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
     let store = Store::examine(folder.to_owned()).map_err(|error| format!("'{}': {error}", folder.display()))?;
-    let mut doctor = Doctor { blobs: LocalBlobs::new(store.clone(), u64::MAX), store, repair, found: Vec::new() };
+    let blobs = LocalBlobs::new(store.clone(), u64::MAX);
+    let mut doctor = Doctor { blobs, store, repair, lost: false, found: Vec::new() };
     contained(|| doctor.folder()).and_then(|done| done).map_err(|refusal| refusal.to_string())?;
     Ok(doctor.found)
 }
@@ -54,6 +56,8 @@ struct Doctor {
     store: Store,
     blobs: LocalBlobs,
     repair: bool,
+    /// Rows of the ledger have been lost.
+    lost: bool,
     found: Vec<Damage>,
 }
 
@@ -109,9 +113,10 @@ impl Doctor {
     fn pages(&mut self) -> Result<(), Refusal> {
         let Err(why) = Checkup::sound(&self.store) else { return Ok(()) };
         let damaged = lost(&self.store, &format!("is damaged ({why})"));
-        let saved = Saved::read(&self.store).map_err(|_| damaged.clone())?;
+        let nothing = || lost_for_good(&self.store, &format!("is damaged ({why})"));
+        let saved = Saved::read(&self.store).map_err(|_| nothing())?;
         let (jobs, machines) = saved.counts();
-        let kept = self.store.ledger().with_extension("redb.damaged");
+        let kept = Saved::kept(&self.store);
         let done = format!(
             "{jobs} jobs and {machines} rows of machines are saved into a new ledger, the damaged one is kept as '{}'",
             kept.display()
@@ -120,6 +125,11 @@ impl Doctor {
             saved.replace(&self.store)?;
         }
         self.mendable(self.store.ledger(), format!("pages of the ledger are damaged ({why})"), &done, "");
+        if self.repair && !saved.is_whole() {
+            self.lost = true;
+            let what = "rows of jobs and machines may be lost with its damaged pages";
+            self.lasting(kept, what, "submit jobs that are missing again, and put machines that are missing");
+        }
         if self.repair { Ok(()) } else { Err(damaged) }
     }
 
@@ -185,12 +195,20 @@ impl Doctor {
         let unreadable = rows.unreadable.iter().filter(|row| !row.machine && !self.repair).map(|row| &row.key);
         let known: BTreeSet<&String> = jobs.chain(unreadable).collect();
         for id in self.store.jobs()? {
-            if !known.contains(&id) {
-                if self.repair {
-                    self.store.remove_job(&id)?;
-                }
-                self.mendable(self.store.job(&id), "the folder belongs to no job", "it is removed", "");
+            if known.contains(&id) {
+                continue;
             }
+            let folder = self.store.job(&id);
+            if self.lost {
+                let aside = self.store.set_aside(&id)?;
+                let remedy = format!("it is kept as '{}': submit the job again", aside.display());
+                self.lasting(folder, "the row of the job of this folder is lost", remedy);
+                continue;
+            }
+            if self.repair {
+                self.store.remove_job(&id)?;
+            }
+            self.mendable(folder, "the folder belongs to no job", "it is removed", "");
         }
         Ok(())
     }
@@ -201,7 +219,8 @@ impl Doctor {
             self.blobs_of(&tenant, &mut damaged)?;
         }
         for (tenant, digest) in &rows.blobs {
-            let known = damaged.contains(&(tenant.to_owned(), digest.to_owned()));
+            // A blob that this repair has removed is gone.
+            let known = !self.repair && damaged.contains(&(tenant.to_owned(), digest.to_owned()));
             if !known && !self.blobs.of(tenant).has(digest) {
                 let path = self.store.blob(tenant, digest);
                 self.lasting(path, "a blob that jobs or machines need is gone", "upload the file again");

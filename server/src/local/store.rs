@@ -359,6 +359,18 @@ impl Store {
         Ok(bytes)
     }
 
+    /// Moves the folder of a job whose row is lost to `lost`.
+    pub(crate) fn set_aside(&self, id: &str) -> io::Result<PathBuf> {
+        let aside = self.root.join("lost").join(id);
+        fs::create_dir_all(self.root.join("lost"))?;
+        match fs::remove_dir_all(&aside) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => fs::rename(self.job(id), &aside)?,
+        }
+        self.sync_root()?;
+        Ok(aside)
+    }
+
     /// Removes a job's folder; not being there is fine.
     pub(crate) fn remove_job(&self, id: &str) -> io::Result<()> {
         match fs::remove_dir_all(self.job(id)) {

@@ -158,6 +158,7 @@ async fn every_damage_is_found_with_its_place_and_a_repair_leaves_only_what_nobo
 
     let found = examine(data, true).unwrap();
     mendable(&found, true);
+    assert!(!one(&found, &blob(data, "EVENTS 5"), "gone").repaired, "the exit code tells that a file is needed");
     assert!(!orphan.exists() && !blob(data, "EVENTS 5").exists());
     let found = examine(data, false).unwrap();
     lasting(&found);
@@ -195,4 +196,88 @@ async fn a_ledger_that_cannot_be_used_is_reported_with_the_way_out() {
         assert_eq!(std::fs::read(&ledger).unwrap(), content);
     }
     assert_eq!(command(folder.path(), &["--repair"]).0, Some(1));
+}
+
+/// A folder with jobs that have logs in files, and their identities.
+async fn folder_of_jobs(folder: &Path) -> Vec<String> {
+    let server = Server::start(options(folder)).await;
+    let mut jobs = Vec::new();
+    for number in 0..6 {
+        let job = server.submit(&format!("r-{number}"), &format!("EVENTS {}", 2000 + number)).await;
+        server.wait(&job).await;
+        jobs.push(job);
+    }
+    server.stop().await;
+    jobs
+}
+
+#[tokio::test]
+async fn a_ledger_that_has_grown_is_repaired_without_loss_and_each_damaged_one_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let jobs = folder_of_jobs(folder.path()).await;
+    let ledger = folder.path().join("ledger.redb");
+    for (more, kept) in [(1, "redb.damaged"), (10_000, "redb.damaged.2"), (5, "redb.damaged.3")] {
+        let grown = [std::fs::read(&ledger).unwrap(), vec![b'x'; more]].concat();
+        std::fs::write(&ledger, &grown).unwrap();
+        assert_eq!(command(folder.path(), &[]).0, Some(1));
+        let (code, text) = command(folder.path(), &["--repair"]);
+        assert!(code == Some(0) && text.contains("6 jobs"), "{more}: {code:?} {text}");
+        assert!(std::fs::read(ledger.with_extension(kept)).unwrap() == grown);
+        assert_eq!(examine(folder.path(), false), Ok(Vec::new()));
+    }
+    let server = Server::start(options(folder.path())).await;
+    for (number, job) in jobs.iter().enumerate() {
+        assert_eq!(server.status(job).await.events, 2000 + number as u64);
+    }
+    server.stop().await;
+}
+
+/// Pages of a file that contain a text.
+fn pages_with(content: &[u8], text: &str) -> Vec<usize> {
+    let within = |page: &[u8]| page.windows(text.len()).any(|part| part == text.as_bytes());
+    (0..content.len() / 4096).filter(|number| within(&content[number * 4096..(number + 1) * 4096])).collect()
+}
+
+#[tokio::test]
+async fn rows_that_damage_has_cut_off_are_saved_and_the_folder_of_a_lost_job_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let jobs = folder_of_jobs(folder.path()).await;
+    let ledger = folder.path().join("ledger.redb");
+    let clean = std::fs::read(&ledger).unwrap();
+    // Without its head no tree can be read.
+    let mut headless = clean.clone();
+    headless[..4096].fill(0xaa);
+    std::fs::write(&ledger, &headless).unwrap();
+    let (code, text) = command(folder.path(), &["--repair"]);
+    assert!(code == Some(1) && text.contains("6 jobs") && text.contains("may be lost"), "{code:?} {text}");
+    assert_eq!(examine(folder.path(), false), Ok(Vec::new()));
+    let server = Server::start(options(folder.path())).await;
+    for (number, job) in jobs.iter().enumerate() {
+        assert_eq!(server.status(job).await.events, 2000 + number as u64);
+        assert_eq!(server.events(job, 0).await.len(), 2000 + number);
+    }
+    server.stop().await;
+    // Nothing of the job is left but its folder.
+    let mut content = std::fs::read(&ledger).unwrap();
+    for page in pages_with(&content, &jobs[2]) {
+        content[page * 4096..(page + 1) * 4096].fill(0);
+    }
+    std::fs::write(&ledger, &content).unwrap();
+    let log = std::fs::read(log_file(folder.path(), &jobs[2])).unwrap();
+    let (code, text) = command(folder.path(), &["--repair"]);
+    let lost = folder.path().join("lost").join(&jobs[2]);
+    assert!(code == Some(1) && !text.contains("doctor --repair"), "{code:?} {text}");
+    if code == Some(1) && lost.exists() {
+        assert!(text.contains(lost.to_str().unwrap()), "{text}");
+        let file = log_file(folder.path(), &jobs[2]).file_name().unwrap().to_owned();
+        let kept = std::fs::read_dir(&lost).unwrap().map(|entry| entry.unwrap().path()).find(|path| {
+            path.file_name() == Some(&file)
+                || path.file_name().is_some_and(|name| name.to_str().unwrap().starts_with("log"))
+        });
+        assert!(std::fs::read(kept.unwrap()).unwrap() == log);
+        assert_eq!(command(folder.path(), &[]).0, Some(0));
+    } else {
+        assert!(text.contains("mv "), "nothing can be saved: {text}");
+        assert!(log_file(folder.path(), &jobs[2]).exists());
+    }
 }

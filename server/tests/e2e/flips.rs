@@ -243,7 +243,6 @@ async fn a_changed_bit_in_the_ledger_is_reported_by_doctor_and_start_and_what_is
         let mended = examine(copy.path(), true).unwrap();
         let ledger = copy.path().join("ledger.redb");
         if mended.iter().any(|damage| damage.path == ledger && !damage.repaired) {
-            // The database's own tables are damaged.
             unusable += 1;
             continue;
         }
@@ -262,7 +261,7 @@ async fn a_changed_bit_in_the_ledger_is_reported_by_doctor_and_start_and_what_is
         server.stop().await;
     }
     let counts = format!("{refused} refused, {repaired} repaired, {unusable} unusable");
-    assert!(refused > flips() / 60 && repaired > refused * 3 / 4, "{counts}");
+    assert!(refused > flips() / 60 && unusable == 0, "{counts}");
 }
 
 /// Exit code and output of the command.

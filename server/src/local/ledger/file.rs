@@ -92,6 +92,19 @@ impl Frozen {
         Ok(Self(Mutex::new(Pages { file, kept: length, length, changed: BTreeMap::new() })))
     }
 
+    /// Same with the length that its head tells, if that is not far from its own: the file was cut or has grown.
+    pub(crate) fn of_its_length(path: &Path) -> io::Result<Self> {
+        let (frozen, mut head) = (Self::open(path)?, [0; HEAD]);
+        frozen.read(0, &mut head)?;
+        let own = frozen.len()?;
+        if let Some(told) =
+            told_length(&head).filter(|told| *told != own && *told > PAGE && *told / 2 <= own.max(LEAST))
+        {
+            frozen.set_len(told)?;
+        }
+        Ok(frozen)
+    }
+
     fn pages(&self) -> std::sync::MutexGuard<'_, Pages> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -112,6 +125,20 @@ impl Pages {
         }
         Ok(page)
     }
+}
+
+/// Bytes of the head of the database, and of its smallest file that is extended.
+const HEAD: usize = 32;
+const LEAST: u64 = 16 << 20;
+
+/// The length of the file as its head tells it: bytes of a page, then pages of the head of a region, pages in a region,
+/// whole regions, and pages in the last one.
+fn told_length(head: &[u8; HEAD]) -> Option<u64> {
+    let number = |at: usize| head.get(at..)?.first_chunk().map(|bytes| u64::from(u32::from_le_bytes(*bytes)));
+    let [page, of_head, in_region, whole, in_last] = [number(12)?, number(16)?, number(20)?, number(24)?, number(28)?];
+    let last = if in_last > 0 { of_head + in_last } else { 0 };
+    let pages = whole.checked_mul(of_head + in_region)?.checked_add(1 + last)?;
+    pages.checked_mul(page)
 }
 
 /// Pages that a range touches: number, offset in the page, offset in the range, bytes.
@@ -182,6 +209,23 @@ impl StorageBackend for Frozen {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_ledger_that_was_cut_or_has_grown_has_the_length_that_its_head_tells() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ledger");
+        drop(redb::Database::create(&path).unwrap());
+        let content = std::fs::read(&path).unwrap();
+        let length = content.len() as u64;
+        let told = || Frozen::of_its_length(&path).unwrap().len().unwrap();
+        assert_eq!(told(), length);
+        for more in [1, 4096, 100_000] {
+            std::fs::write(&path, [&content[..], &vec![b'x'; more]].concat()).unwrap();
+            assert_eq!(told(), length);
+        }
+        std::fs::write(&path, &content[..content.len() / 2]).unwrap();
+        assert_eq!(told(), length);
+    }
 
     #[test]
     fn a_frozen_file_reads_as_if_written_and_stays_as_it_was() {

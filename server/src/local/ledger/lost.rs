@@ -15,10 +15,20 @@ pub(crate) fn not_lost(store: &Store) -> Result<(), Refusal> {
 
 /// A ledger that cannot be used, with the way out.
 pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
+    let save = format!("save all that is whole (counterpointd doctor --repair --data '{}'), ", store.root().display());
+    refused(store, what, &save)
+}
+
+/// A ledger of which nothing can be saved.
+pub(crate) fn lost_for_good(store: &Store, what: &str) -> Refusal {
+    refused(store, what, "no row of it is whole; ")
+}
+
+fn refused(store: &Store, what: &str, save: &str) -> Refusal {
     let root = store.root().display();
     Refusal::DataLoss(format!(
-        "{} {what}: save all that is whole (counterpointd doctor --repair --data '{root}'), restore it from a backup, or \
-         set the folder aside and start with an empty one: mv '{root}' '{root}.lost'",
+        "{} {what}: {save}restore it from a backup, or set the folder aside and start with an empty one: mv '{root}' \
+         '{root}.lost'",
         store.ledger().display()
     ))
 }

@@ -7,6 +7,7 @@ mod blob_refs;
 pub(crate) mod checkup;
 mod file;
 mod index;
+mod leaves;
 mod lost;
 mod machine_bytes;
 mod machines;
@@ -38,7 +39,7 @@ use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
-pub(crate) use lost::{lost, not_lost};
+pub(crate) use lost::{lost, lost_for_good, not_lost};
 use rows::{get, next_id, parse, put, readable, take_out};
 use writer::{Operation, Place, Shared};
 

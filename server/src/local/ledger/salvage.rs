@@ -1,17 +1,19 @@
 //! What is whole in a ledger with damaged pages, and a new ledger of it.
 //!
-//! Each table is read from both ends up to the damage, and each job that anything else names is looked up. *Invariant:*
-//! a row is saved only with its checksum; lists, counts and request ids are made anew from the rows.
+//! Each table is read from both ends up to the damage, and each job that anything else names is looked up. Rows that
+//! the damage hides from their table are looked for in all pages. *Invariant:* a row is saved only with its checksum;
+//! lists, counts and request ids are made anew from the rows.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::path::PathBuf;
 
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableHandle as _};
 
 use super::writer::Place;
 use super::{
-    JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, index, machine_bytes, retention, rows, schema, seal, storage, usage,
-    works,
+    JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, index, leaves, machine_bytes, retention, rows, schema, seal, storage,
+    usage, works,
 };
 use crate::ledger::record::Record;
 use crate::local::contained::{contained, damaged};
@@ -33,35 +35,55 @@ pub(crate) struct Saved {
     machines: Contents,
     epoch: Option<u64>,
     files: bool,
+    /// Tables that were read to their ends.
+    whole: usize,
 }
+
+/// Tables with rows.
+const TABLES: [Rows<'_>; 4] = [JOB, works::WORK, LOG, MACHINE];
 
 /// Tries to read; damage counts as nothing.
 fn attempt<T>(work: impl FnOnce() -> Result<T, Refusal>) -> Option<T> {
     contained(work).ok().and_then(Result::ok)
 }
 
-/// Rows of a table from both ends up to the damage.
-fn from_both_ends(txn: &ReadTransaction, table: Rows<'_>, saved: &mut Contents) {
+/// Rows of a table from both ends up to the damage; whether all of them are whole.
+fn from_both_ends(txn: &ReadTransaction, table: Rows<'_>, saved: &mut Contents) -> bool {
+    let mut whole = false;
     for backwards in [false, true] {
-        let Some(rows) = attempt(|| txn.open_table(table).map_err(storage)) else { return };
+        let Some(rows) = attempt(|| txn.open_table(table).map_err(storage)) else { return false };
         let Some(mut iter) = attempt(|| rows.iter().map_err(storage)) else { continue };
-        loop {
+        let mut good = true;
+        let ended = loop {
             let next = attempt(|| {
                 let row = if backwards { iter.next_back() } else { iter.next() };
                 let row = row.transpose().map_err(storage)?;
                 Ok(row.map(|(key, row)| (key.value().to_owned(), row.value().to_vec())))
             });
-            match next.flatten() {
-                Some((key, row)) => {
-                    if seal::content(table.name(), &key, &row).is_some() {
-                        saved.insert(key, row);
-                    }
-                }
-                None => break,
+            match next {
+                Some(Some((key, row))) => match seal::content(table.name(), &key, &row) {
+                    Some(_) => drop(saved.insert(key, row)),
+                    None => good = false,
+                },
+                end => break end.is_some(),
             }
-        }
+        };
         let _ = contained(|| drop(iter));
+        if ended {
+            whole = good;
+            break;
+        }
     }
+    whole
+}
+
+/// Which of two rows under one key is the later one: of a job the one that has ended, of other rows the longer one.
+fn later(table: usize, key: &str, one: &[u8], other: &[u8]) -> bool {
+    if table == 0 {
+        let ended = |row: &[u8]| rows::readable::<Record>(JOB, key, row).is_some_and(|record| record.state.ended());
+        return ended(one) && !ended(other);
+    }
+    one.len() > other.len()
 }
 
 /// Rows of jobs by their identities.
@@ -86,18 +108,58 @@ impl Saved {
     pub(crate) fn read(store: &Store) -> Result<Self, Refusal> {
         let place = Place::File(store.ledger(), store.disk().clone());
         let mut best: Option<Self> = None;
-        for database in place.states() {
+        for mut database in place.states() {
             let mut saved = Self::default();
+            // A tree with a wrong page may look whole.
+            let sound = matches!(contained(|| database.check_integrity()), Ok(Ok(true)));
             if let Some(txn) = attempt(|| database.begin_read().map_err(storage)) {
                 saved.collect(&txn, store);
+                saved.whole = if sound { saved.whole } else { 0 };
                 let _ = contained(|| drop(txn));
             }
             let _ = contained(|| drop(database));
-            if best.as_ref().is_none_or(|best| saved.rows() > best.rows()) {
+            if best.as_ref().is_none_or(|best| (saved.whole, saved.rows()) > (best.whole, best.rows())) {
                 best = Some(saved);
             }
         }
-        best.filter(|saved| saved.rows() > 0).ok_or_else(damaged)
+        let mut best = best.unwrap_or_default();
+        if !best.is_whole() {
+            best.hidden(store)?;
+        }
+        if best.rows() > 0 { Ok(best) } else { Err(damaged()) }
+    }
+
+    /// Whether no row is lost.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.whole == TABLES.len()
+    }
+
+    /// Adds rows that the damage hides from their tables. A machine of which there are several definitions is left out:
+    /// it is not known which of them counts.
+    fn hidden(&mut self, store: &Store) -> Result<(), Refusal> {
+        let mut found: [Contents; 4] = Default::default();
+        let mut unsure = BTreeSet::new();
+        leaves::rows(&store.ledger(), &TABLES.each_ref().map(|table| table.name()), |table, key, row| {
+            let Some(of_table) = found.get_mut(table) else { return };
+            match of_table.get(key) {
+                Some(known) if known == row => {}
+                Some(_) if table == 3 => drop(unsure.insert(key.to_owned())),
+                Some(known) if !later(table, key, row, known) => {}
+                _ => drop(of_table.insert(key.to_owned(), row.to_vec())),
+            }
+        })?;
+        let [.., machines] = &mut found;
+        machines.retain(|key, _| !unsure.contains(key));
+        let saved = [&mut self.jobs, &mut self.works, &mut self.logs, &mut self.machines];
+        for (saved, found) in saved.into_iter().zip(found) {
+            for (key, row) in found {
+                saved.entry(key).or_insert(row);
+            }
+        }
+        // What belongs to no job was hidden because the job has been removed.
+        self.works.retain(|id, _| self.jobs.contains_key(id));
+        self.logs.retain(|id, _| self.jobs.contains_key(id));
+        Ok(())
     }
 
     fn collect(&mut self, txn: &ReadTransaction, store: &Store) {
@@ -107,10 +169,10 @@ impl Saved {
             attempt(read).flatten()
         };
         (self.epoch, self.files) = (number("epoch"), number("files").is_some());
-        from_both_ends(txn, JOB, &mut self.jobs);
-        from_both_ends(txn, works::WORK, &mut self.works);
-        from_both_ends(txn, LOG, &mut self.logs);
-        from_both_ends(txn, MACHINE, &mut self.machines);
+        let saved = [&mut self.jobs, &mut self.works, &mut self.logs, &mut self.machines];
+        let whole =
+            TABLES.into_iter().zip(saved).filter_map(|(table, saved)| from_both_ends(txn, table, saved).then_some(()));
+        self.whole = whole.count();
         let mut ids: BTreeSet<String> = store.jobs().unwrap_or_default().into_iter().collect();
         ids.extend([&self.jobs, &self.works, &self.logs].into_iter().flat_map(Contents::keys).cloned());
         ids.extend(
@@ -139,6 +201,14 @@ impl Saved {
         (self.jobs.len(), self.machines.len())
     }
 
+    /// The place of the damaged ledger beside the new one; those of earlier repairs stay.
+    pub(crate) fn kept(store: &Store) -> PathBuf {
+        let names = (2..).map(|number| format!("redb.damaged.{number}"));
+        let names =
+            std::iter::once("redb.damaged".to_owned()).chain(names).map(|name| store.ledger().with_extension(name));
+        names.into_iter().find(|path| !path.exists()).unwrap_or_default()
+    }
+
     /// Puts a new ledger of these rows in the place of the damaged one, which is kept beside it.
     pub(crate) fn replace(&self, store: &Store) -> Result<(), Refusal> {
         let (old, new) = (store.ledger(), store.ledger().with_extension("redb.new"));
@@ -150,7 +220,7 @@ impl Saved {
         let database = place.open().map_err(storage)?;
         self.write(&database, store)?;
         drop(database);
-        fs::rename(&old, old.with_extension("redb.damaged"))?;
+        fs::rename(&old, Self::kept(store))?;
         fs::rename(&new, &old)?;
         Ok(store.sync_root()?)
     }

@@ -49,9 +49,11 @@ pub(super) fn is_plain(row: &[u8]) -> bool {
 
 /// The content of a row; none if it is not the one that was stored.
 pub(super) fn content<'r>(table: &str, key: &str, row: &'r [u8]) -> Option<&'r [u8]> {
-    if is_plain(row) {
-        return Some(row);
-    }
+    if is_plain(row) { Some(row) } else { sealed_content(table, key, row) }
+}
+
+/// Same of a row that has a seal.
+pub(super) fn sealed_content<'r>(table: &str, key: &str, row: &'r [u8]) -> Option<&'r [u8]> {
     let (head, content) = row.split_first_chunk::<HEAD>()?;
     let expected = std::iter::once(MARK).chain(crc(table, key, content));
     head.iter().copied().eq(expected).then_some(content)

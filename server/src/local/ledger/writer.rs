@@ -5,7 +5,8 @@
 //! operations are refused and readers get the last durable state from memory. Invariant: an operation that was
 //! answered is on stable storage; one that was not is either wholly there or not at all.
 
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
@@ -94,11 +95,12 @@ const IN_TWO: u8 = 4;
 
 impl Place {
     /// The durable states that the file may hold, to be read only: the last one as it is, the last one with the
-    /// database's own tables made anew, and the one before it.
+    /// database's own tables made anew, and the one before it; with the length that the head of the file tells, and with
+    /// that of the file.
     pub(super) fn states(&self) -> Vec<Database> {
         let Self::File(path, _) = self else { return Vec::new() };
-        let state = |change: fn(u8) -> u8| {
-            let (file, mut flags) = (Frozen::open(path).ok()?, [0]);
+        let state = |open: fn(&Path) -> io::Result<Frozen>, change: fn(u8) -> u8| {
+            let (file, mut flags) = (open(path).ok()?, [0]);
             redb::StorageBackend::read(&file, FLAGS, &mut flags).ok()?;
             redb::StorageBackend::write(&file, FLAGS, &flags.map(change)).ok()?;
             created(Database::builder(), file).ok()
@@ -109,7 +111,8 @@ impl Place {
             |flags| (flags | UNCLOSED) & !IN_TWO,
             |flags| ((flags | UNCLOSED) & !IN_TWO) ^ SECOND,
         ];
-        states.into_iter().filter_map(state).collect()
+        let lengths: [fn(&Path) -> io::Result<Frozen>; 2] = [Frozen::of_its_length, Frozen::open];
+        lengths.into_iter().flat_map(|open| states.map(|change| state(open, change))).flatten().collect()
     }
 }
 
