@@ -44,6 +44,8 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     ),
     ("counterpoint_tenant_running", "gauge", "Jobs on workers, by `tenant`"),
     ("counterpoint_tenant_stored_bytes", "gauge", "Bytes of logs, files and results of ended jobs, by `tenant`"),
+    ("counterpoint_tenant_file_bytes", "gauge", "Bytes of uploaded files, by `tenant`"),
+    ("counterpoint_tenant_machine_bytes", "gauge", "Bytes of the rows of machines, by `tenant`"),
     ("counterpoint_tenant_cpu_seconds", "gauge", "Processor time of the jobs that ended today (UTC), by `tenant`"),
     ("counterpoint_jobs_running", "gauge", "Jobs that run or whose end is being stored"),
     ("counterpoint_events_total", "counter", "Events of all runs"),
@@ -79,6 +81,8 @@ pub(crate) struct Waiting {
 pub(crate) struct Used {
     pub(crate) running: i64,
     pub(crate) bytes: i64,
+    pub(crate) file_bytes: i64,
+    pub(crate) machine_bytes: i64,
     pub(crate) cpu_s: i64,
 }
 
@@ -87,6 +91,8 @@ pub(crate) struct Used {
 struct Tenants {
     running: Family<ByTenant, Gauge>,
     bytes: Family<ByTenant, Gauge>,
+    file_bytes: Family<ByTenant, Gauge>,
+    machine_bytes: Family<ByTenant, Gauge>,
     cpu_s: Family<ByTenant, Gauge>,
 }
 
@@ -206,6 +212,8 @@ impl Metrics {
         register(all, "counterpoint_queue_age_seconds", jobs.age.clone());
         register(all, "counterpoint_tenant_running", tenants.running.clone());
         register(all, "counterpoint_tenant_stored_bytes", tenants.bytes.clone());
+        register(all, "counterpoint_tenant_file_bytes", tenants.file_bytes.clone());
+        register(all, "counterpoint_tenant_machine_bytes", tenants.machine_bytes.clone());
         register(all, "counterpoint_tenant_cpu_seconds", tenants.cpu_s.clone());
         register(all, "counterpoint_jobs_running", jobs.running.clone());
         register(all, "counterpoint_events_total", jobs.events.clone());
@@ -262,12 +270,14 @@ impl Metrics {
 
     /// Sets the usage of each tenant. A tenant without usage is no longer shown.
     pub(crate) fn tenants(&self, used: impl Iterator<Item = (String, Used)>) {
-        let Tenants { running, bytes, cpu_s } = &self.tenants;
-        [running, bytes, cpu_s].iter().for_each(|family| family.clear());
+        let Tenants { running, bytes, file_bytes, machine_bytes, cpu_s } = &self.tenants;
+        [running, bytes, file_bytes, machine_bytes, cpu_s].iter().for_each(|family| family.clear());
         for (tenant, used) in used.filter(|(_, used)| *used != Used::default()) {
             let labels = [("tenant", tenant)];
             running.get_or_create(&labels).set(used.running);
             bytes.get_or_create(&labels).set(used.bytes);
+            file_bytes.get_or_create(&labels).set(used.file_bytes);
+            machine_bytes.get_or_create(&labels).set(used.machine_bytes);
             cpu_s.get_or_create(&labels).set(used.cpu_s);
         }
     }
@@ -305,10 +315,12 @@ mod tests {
         metrics.limit("wall_ms");
         let waiting = Waiting { tenant: "a".to_owned(), priority: "low", jobs: 3, age_s: 7 };
         metrics.queue([waiting].into_iter(), [("b".to_owned(), 2)].into_iter());
-        let used = Used { running: 1, bytes: 40, cpu_s: 2 };
+        let used = Used { running: 1, bytes: 40, file_bytes: 50, machine_bytes: 60, cpu_s: 2 };
         metrics.tenants([("c".to_owned(), used), ("d".to_owned(), Used::default())].into_iter());
         let text = metrics.text();
         assert!(text.contains("counterpoint_tenant_stored_bytes{tenant=\"c\"} 40"), "{text}");
+        assert!(text.contains("counterpoint_tenant_file_bytes{tenant=\"c\"} 50"), "{text}");
+        assert!(text.contains("counterpoint_tenant_machine_bytes{tenant=\"c\"} 60"), "{text}");
         assert!(!text.contains("tenant=\"d\""), "a tenant that uses nothing is not shown");
         let shown: BTreeSet<(&str, &str)> =
             text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split_once(' ')).collect();

@@ -61,7 +61,12 @@ impl Core {
         for (tenant, usage) in self.ledger.usages().unwrap_or_default() {
             let used = used.entry(tenant).or_default();
             used.bytes = number(usage.bytes);
+            used.machine_bytes = number(usage.machines);
             used.cpu_s = number(usage.cpu_us_on(today) / 1_000_000);
+        }
+        for tenant in self.blobs.tenants().unwrap_or_default() {
+            let bytes = self.blobs.of(&tenant).bytes().unwrap_or(0);
+            used.entry(tenant).or_default().file_bytes = number(bytes);
         }
         self.metrics.tenants(used.into_iter());
     }

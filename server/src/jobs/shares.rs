@@ -35,6 +35,8 @@ pub(crate) struct Growing {
     all: Arc<Mutex<BTreeMap<String, u64>>>,
     tenant: String,
     bytes: u64,
+    /// Its content is there already, so its bytes do not count.
+    stored: bool,
 }
 
 impl Drop for Growing {
@@ -121,11 +123,21 @@ impl Core {
 
     /// An upload of a tenant that begins.
     pub(crate) fn growing(&self, tenant: &str) -> Growing {
-        Growing { all: self.shares.growing.clone(), tenant: tenant.to_owned(), bytes: 0 }
+        Growing { all: self.shares.growing.clone(), tenant: tenant.to_owned(), bytes: 0, stored: false }
+    }
+
+    /// An upload of a content that the tenant has.
+    pub(crate) fn not_growing(&self, tenant: &str) -> Growing {
+        let mut growing = self.growing(tenant);
+        growing.stored = true;
+        growing
     }
 
     /// Counts bytes that an upload is about to store, or refuses them.
     pub(crate) fn grow(&self, upload: &mut Growing, bytes: u64) -> Result<(), Refusal> {
+        if upload.stored {
+            return Ok(());
+        }
         self.has_room_for(&upload.tenant, bytes)?;
         upload.bytes = upload.bytes.saturating_add(bytes);
         let mut all = lock(&upload.all);

@@ -136,13 +136,11 @@ impl Blobs for LocalBlobs {
 
     fn remove_older(&self, digest: &str, grace: Duration) -> bool {
         let Place::Files(store) = &self.place else { return false };
-        let size = self.size(digest);
-        let removed = self.age(digest).is_some_and(|age| age >= grace)
-            && fs::remove_file(store.blob(&self.tenant, digest)).is_ok();
-        if removed {
-            self.sizes.gone(&self.tenant, size);
-        }
-        removed
+        self.sizes.take(&self.tenant, digest, || {
+            let size = self.size(digest);
+            let old = self.age(digest).is_some_and(|age| age >= grace);
+            (old && fs::remove_file(store.blob(&self.tenant, digest)).is_ok()).then_some(size)
+        })
     }
 
     fn read(&self, digest: &str) -> io::Result<Bytes> {
@@ -302,16 +300,22 @@ impl blobs::Receiver for Receiver {
             return Err(Refusal::DigestMismatch { announced: self.announced, actual });
         }
         match (self.content, &self.blobs.place) {
-            (Content::File(file), Place::Files(store)) if !self.blobs.offers(&actual) => {
+            (Content::File(file), Place::Files(store)) => {
                 let (tenant, path) = (&self.blobs.tenant, store.blob(&self.blobs.tenant, &actual));
-                // Another upload of the same content may have been faster.
-                let new = || Ok::<_, io::Error>((!path.is_file(), store.keep(file, &path)?).0);
-                self.blobs.sizes.place(tenant, self.size, new)?;
+                self.blobs.sizes.place(tenant, &actual, || {
+                    // Another upload of the same content may have been faster.
+                    if self.blobs.offers(&actual) {
+                        return Ok(None);
+                    }
+                    let new = !path.is_file();
+                    store.keep(file, &path)?;
+                    Ok::<_, io::Error>(new.then_some(self.size))
+                })?;
             }
             (Content::Memory(content), Place::Memory(blobs)) => {
                 drop(blobs.insert(self.blobs.key(&actual), content.into()))
             }
-            _ => {}
+            (Content::File(_), Place::Memory(_)) | (Content::Memory(_), Place::Files(_)) => {}
         }
         Ok(self.size)
     }
@@ -363,6 +367,31 @@ mod tests {
         assert!(blobs.older_than(grace).next().is_none(), "uploaded again");
         age();
         assert!(blobs.remove_older(&name, grace) && !blobs.has(&name));
+    }
+
+    #[test]
+    fn uploads_of_one_content_at_the_same_time_count_once() {
+        let (_folder, blobs) = blobs(100);
+        assert_eq!(blobs.bytes().unwrap(), 0);
+        let name = digest(b"common");
+        for _ in 0..20 {
+            let uploads = std::sync::Barrier::new(8);
+            std::thread::scope(|scope| {
+                for _ in 0..8 {
+                    scope.spawn(|| {
+                        let mut receiver = blobs.receive(&name, None).unwrap();
+                        receiver.chunk(b"common").unwrap();
+                        uploads.wait();
+                        receiver.finish().unwrap();
+                    });
+                }
+                scope.spawn(|| blobs.remove_older(&name, Duration::ZERO));
+            });
+            let there = blobs.size(&name);
+            assert_eq!(blobs.bytes().unwrap(), there);
+            assert_eq!(blobs.remove_older(&name, Duration::ZERO), there > 0);
+            assert_eq!(blobs.bytes().unwrap(), 0);
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
-use super::door::enter;
+use super::door::{chunk as within, enter};
 use super::{Blobs, CHUNK, Chunk, blocking, stream};
 use crate::access::Caller;
 use crate::reason::Refusal;
@@ -48,21 +48,28 @@ impl Service for Blobs {
         let patience = self.0.options.connections.upload_stall_s;
         let mut chunks = request.into_inner();
         let first = next(&mut chunks, patience).await?.unwrap_or_default();
+        within(&first.data)?;
         let (blobs, digest) = (self.0.blobs.of(caller.tenant()), first.digest.clone());
         caller.about(&digest);
         let (core, tenant) = (self.0.clone(), caller.tenant().to_owned());
         let (mut receiver, mut growing) = blocking(move || {
             core.room()?;
-            core.within_quotas(&tenant)?;
-            core.has_room_for(&tenant, first.size.unwrap_or(0))?;
-            let mut receiver = blobs.receive(&first.digest, first.size)?;
-            let mut growing = core.growing(&tenant);
+            // A content that is there already takes nothing more of the quota; it cannot be larger than it is.
+            let stored = blobs.offers(&first.digest).then(|| blobs.size(&first.digest));
+            let stored = stored.filter(|stored| first.size.is_none_or(|size| size == *stored));
+            let mut growing = if stored.is_some() { core.not_growing(&tenant) } else { core.growing(&tenant) };
+            if stored.is_none() {
+                core.within_quotas(&tenant)?;
+                core.has_room_for(&tenant, first.size.unwrap_or(0))?;
+            }
+            let mut receiver = blobs.receive(&first.digest, first.size.or(stored))?;
             core.grow(&mut growing, first.data.len() as u64)?;
             receiver.chunk(&first.data)?;
             Ok((receiver, growing))
         })
         .await?;
         while let Some(chunk) = next(&mut chunks, patience).await? {
+            within(&chunk.data)?;
             if receiver.in_memory() {
                 receiver.chunk(&chunk.data)?;
                 continue;

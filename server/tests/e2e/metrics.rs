@@ -1,5 +1,6 @@
 //! The data of monitoring.
 
+use counterpoint_proto::v1;
 use counterpoint_server::local::disk::{Disk, Faults, Step};
 use counterpoint_server::options::Options;
 use std::path::Path;
@@ -40,9 +41,15 @@ async fn metrics_follow_jobs_calls_and_watches() {
     let ended = server.submit("r-1", "EVENTS 50").await;
     server.wait(&ended).await;
     let running = server.submit("r-2", "EVENTS 3\nHANG").await;
-    server.until(&running, counterpoint_proto::v1::JobState::Running).await;
+    server.until(&running, v1::JobState::Running).await;
     let waiting = server.submit("r-3", "EVENTS 1").await;
-    let watch = server.watch(&running, 0, counterpoint_proto::v1::WatchLevel::Everything).await;
+    let watch = server.watch(&running, 0, v1::WatchLevel::Everything).await;
+    let toml = "extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n";
+    let file = v1::MachineFile { path: "own/machine.toml".into(), digest: server.upload(toml.as_bytes()).await };
+    server.machines().put_machine(v1::PutMachineRequest { name: "own".into(), files: vec![file] }).await.unwrap();
+    let files = ["EVENTS 50", "EVENTS 3\nHANG", "EVENTS 1", toml].map(str::len).iter().sum::<usize>() as f64;
+    assert_eq!(value(&server, "counterpoint_tenant_file_bytes{tenant=\"default\"}").await, Some(files));
+    assert!(value(&server, "counterpoint_tenant_machine_bytes{tenant=\"default\"}").await.unwrap() > 100.0);
     for (name, expected) in [
         ("counterpoint_jobs_accepted_total", 3.0),
         ("counterpoint_jobs_ended_total{state=\"SUCCEEDED\"}", 1.0),

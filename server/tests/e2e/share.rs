@@ -361,6 +361,31 @@ async fn files_and_machines_of_a_tenant_count_and_a_full_share_is_refused_by_nam
     server.stop().await;
 }
 
+/// A client whose answer was lost repeats its upload.
+#[tokio::test]
+async fn a_content_that_is_stored_is_uploaded_again_whatever_the_quota() {
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_bytes: 10_000, ..Quotas::default() };
+    let (server, noisy, _) = two(Options { quotas, ..guarded(folder.path()) }).await;
+    let stored = [b'a'; 9000];
+    noisy.upload(&stored).await.unwrap();
+    for size in [Some(9000), None] {
+        let first = v1::UploadRequest { digest: digest(&stored), size, ..Default::default() };
+        let rest = stored.chunks(1000);
+        let rest = rest.map(|data| v1::UploadRequest { data: data.to_vec().into(), ..Default::default() });
+        let chunks: Vec<_> = std::iter::once(first).chain(rest).collect();
+        let answer = noisy.blobs().upload(tokio_stream::iter(chunks)).await.expect("it is there already");
+        assert_eq!(answer.into_inner().size, 9000);
+    }
+    // More than that is not stored under the digest of a small content.
+    noisy.upload(b"small").await.unwrap();
+    let first = v1::UploadRequest { digest: digest(b"small"), size: Some(9000), data: stored.to_vec().into() };
+    assert_eq!(quota(&noisy.blobs().upload(tokio_stream::iter([first])).await.unwrap_err()), "tenant_bytes");
+    let first = v1::UploadRequest { digest: digest(b"small"), size: None, data: stored.to_vec().into() };
+    assert_eq!(reason(&noisy.blobs().upload(tokio_stream::iter([first])).await.unwrap_err()), "INVALID_REQUEST");
+    server.stop().await;
+}
+
 /// Processor time counts, not the time of the clock, and every run counts.
 #[tokio::test]
 async fn processor_time_of_a_tenant_is_counted_and_a_job_that_waits_takes_none() {

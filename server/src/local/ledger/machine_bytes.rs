@@ -53,13 +53,18 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Whether the bytes agree with the rows.
-pub(super) fn agree(txn: &ReadTransaction) -> Result<bool, Refusal> {
+/// Bytes of each tenant that has any.
+pub(super) fn all(txn: &ReadTransaction) -> Result<BTreeMap<String, u64>, Refusal> {
     let mut stored = BTreeMap::new();
     for row in txn.open_table(MACHINE_BYTES).map_err(storage)?.iter().map_err(storage)? {
         let (tenant, bytes) = row.map_err(storage)?;
         stored.insert(tenant.value().to_owned(), bytes.value());
     }
     stored.retain(|_, bytes| *bytes > 0);
-    Ok(stored == counted(&txn.open_table(MACHINE).map_err(storage)?)?)
+    Ok(stored)
+}
+
+/// Whether the bytes agree with the rows.
+pub(super) fn agree(txn: &ReadTransaction) -> Result<bool, Refusal> {
+    Ok(all(txn)? == counted(&txn.open_table(MACHINE).map_err(storage)?)?)
 }

@@ -21,6 +21,7 @@ mod usage;
 mod works;
 mod writer;
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::JoinHandle;
 
@@ -367,7 +368,13 @@ impl Ledger for LocalLedger {
     }
 
     fn usages(&self) -> Result<Vec<(String, Usage)>, Refusal> {
-        self.read(usage::all)
+        self.read(|txn| {
+            let mut usages: BTreeMap<String, Usage> = usage::all(txn)?.into_iter().collect();
+            for (tenant, bytes) in machine_bytes::all(txn)? {
+                usages.entry(tenant).or_default().machines = bytes;
+            }
+            Ok(usages.into_iter().collect())
+        })
     }
 
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal> {
