@@ -377,8 +377,9 @@ fn explanations_say_what_a_reader_needs() {
         let out = text(words, machine);
         assert!(parts.iter().all(|part| out.contains(part)), "{parts:?} in {out}");
     }
-    // After M98 only the refusals of M98 are listed, not those of P beside G4 or G10.
+    // After M98 only the refusals of M98 are listed, not those of P beside G8 or G10.
     let out = text(&["M98", "P"], "fanuc-mill");
-    assert!(!out.contains("P of a dwell") && !out.contains("G10 has a value"), "{out}");
-    assert!(text(&["P"], "fanuc-mill").contains("P of a dwell"));
+    assert!(!out.contains("P of G8") && !out.contains("G10 has a value"), "{out}");
+    let out = text(&["P"], "fanuc-mill");
+    assert!(out.contains("P of G8 is 0 or 1") && out.contains("no decimal point"), "{out}");
 }
