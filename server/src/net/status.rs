@@ -1,7 +1,9 @@
 //! Monitoring over HTTP: `/metrics`, `/livez`, `/readyz`.
 //!
-//! Invariant: nothing here changes the server, and one peer holds a connection for no longer than [`PATIENCE`].
+//! Invariant: nothing here changes the server. One peer holds a connection for no longer than [`PATIENCE`], and
+//! connections that ask nothing keep no other one out.
 
+use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::future::Future;
 use std::pin::Pin;
@@ -17,7 +19,7 @@ use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::Semaphore;
+use tokio::task::AbortHandle;
 use tokio::time::{sleep, timeout};
 use tonic::body::Body;
 
@@ -26,25 +28,30 @@ use crate::jobs::Core;
 
 /// Longest time of a connection.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Most connections at the same time.
+/// Most connections at the same time; a further one ends the oldest.
 const MOST: usize = 32;
 
 /// Answers until it is dropped.
 pub(crate) async fn serve(listener: TcpListener, core: Arc<Core>) {
-    let places = Arc::new(Semaphore::new(MOST));
+    let mut open: VecDeque<AbortHandle> = VecDeque::new();
     loop {
-        let Ok(place) = places.clone().acquire_owned().await else { return };
         match listener.accept().await {
             Ok((stream, _)) => {
+                open.retain(|connection| !connection.is_finished());
+                if open.len() >= MOST
+                    && let Some(oldest) = open.pop_front()
+                {
+                    oldest.abort();
+                }
                 let core = Arc::downgrade(&core);
-                tokio::spawn(async move {
+                let connection = tokio::spawn(async move {
                     let answer = |request| {
                         let core = core.clone();
                         async move { Ok::<_, Infallible>(answer(core.upgrade(), request).await) }
                     };
                     let _ = timeout(PATIENCE, connection(stream, answer)).await;
-                    drop(place);
                 });
+                open.push_back(connection.abort_handle());
             }
             Err(_) => sleep(ACCEPT_PAUSE).await,
         }

@@ -6,6 +6,7 @@ use counterpoint_server::options::Options;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
 
@@ -101,6 +102,21 @@ async fn the_process_its_build_and_its_connections_are_measured() {
         assert!(value(&server, "process_resident_memory_bytes").await.unwrap() > 1e6);
         assert!(value(&server, "process_open_fds").await.unwrap() > 5.0);
     }
+    server.stop().await;
+}
+
+/// Connections that ask nothing do not keep the probe of an orchestrator out, which would restart the server.
+#[tokio::test]
+async fn silent_connections_keep_no_probe_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(seen(folder.path())).await;
+    let mut silent = Vec::new();
+    for _ in 0..100 {
+        silent.push(TcpStream::connect(server.handle.metrics().unwrap()).await.unwrap());
+    }
+    let answer = tokio::time::timeout(Duration::from_secs(20), get(&server, "GET", "/livez")).await;
+    assert_eq!(answer.expect("before the first of them has been dropped"), (200, "ok\n".into()));
+    drop(silent);
     server.stop().await;
 }
 
