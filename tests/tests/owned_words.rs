@@ -202,7 +202,6 @@ const IGNORED: &[&str] = &[
     "STOPFIFO",
     "TCOABS",
     "TOWSTD",
-    "TRAFOOF",
     "UPATH",
     "WALCS0",
 ];
