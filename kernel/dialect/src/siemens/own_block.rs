@@ -1,7 +1,7 @@
 //! Axis words beside statements that take none: cycles, transformations, files, axes and channels.
 //!
-//! Facts: 840D programming manual, subprograms: a call needs a block of its own, and predefined procedures are calls.
-//! Decisions: the alarm is 12080. Only axis words are refused, since no other word moves anything. Marks (SETM, CLEARM,
+//! Decisions, as no page of a manual was found: a call of a predefined procedure needs a block of its own, and the alarm
+//! is 12080. Only axis words are refused, since no other word moves anything. Marks (SETM, CLEARM,
 //! WAITM, WAITMC), WAITS, FGROUP, MSG, STOPRE and calls of the user's subprograms are not refused: they occur beside
 //! moves. *Invariant:* a block that is refused moves nothing.
 

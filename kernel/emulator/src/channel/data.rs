@@ -17,6 +17,10 @@ use counterpoint_program::block::{Datum, Word};
 /// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
 pub(crate) const RECALLED: u128 = 1 << 127;
 
+/// Reasons why nothing may take a value of the block.
+const NOT_PROCESSED: &str = "its row is not processed";
+const SWITCHED_OFF: &str = "its rows are switched off";
+
 impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
     #[inline(always)]
@@ -191,16 +195,17 @@ impl Kernel<'_> {
     pub(crate) fn refuse(&mut self, id: DataId) -> bool {
         let refused = self.plan.data.refused[id];
         if (self.channel.block.present | RECALLED) & refused != 0 {
-            let why = if refused & RECALLED == 0 { "its row is not processed" } else { "its rows are switched off" };
-            let text = format!(
-                "{} is asked for in '{}', but {why}",
-                self.channel.env.machine.data_name(id),
-                self.block_text()
-            );
-            self.diagnose(&diag::DATA_REFUSED, text);
+            self.report_refused(id, if refused & RECALLED == 0 { NOT_PROCESSED } else { SWITCHED_OFF });
             return true;
         }
         false
+    }
+
+    #[cold]
+    fn report_refused(&mut self, id: DataId, why: &str) {
+        let text =
+            format!("{} is asked for in '{}', but {why}", self.channel.env.machine.data_name(id), self.block_text());
+        self.diagnose(&diag::DATA_REFUSED, text);
     }
 
     /// Refuses a word for a macro. Unlike an action, a macro may ask for data whose rows are all switched off.
@@ -214,12 +219,9 @@ impl Kernel<'_> {
     /// Refuses the value of a code as data if the row of the data is not processed.
     #[cold]
     pub(crate) fn refuse_handed(&mut self, handed: Handed) -> bool {
-        let machine = self.channel.env.machine;
-        let refused = handed.row.is_some_and(|at| !machine.data[at].process);
+        let refused = handed.row.is_some_and(|at| !self.channel.env.machine.data[at].process);
         if refused {
-            let name = machine.data_name(handed.id);
-            let text = format!("{name} is asked for in '{}', but its row is not processed", self.block_text());
-            self.diagnose(&diag::DATA_REFUSED, text);
+            self.report_refused(handed.id, NOT_PROCESSED);
         }
         refused
     }
@@ -230,9 +232,7 @@ impl Kernel<'_> {
         for &id in ids {
             let rows = || self.channel.env.machine.data.iter().filter(|row| row.id == id);
             if rows().next().is_some() && rows().all(|row| !row.enable) {
-                let name = self.channel.env.machine.data_name(id);
-                let text = format!("{name} is asked for in '{}', but its rows are switched off", self.block_text());
-                self.diagnose(&diag::DATA_REFUSED, text);
+                self.report_refused(id, SWITCHED_OFF);
             }
         }
     }
