@@ -56,6 +56,11 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     ("counterpoint_syncs_total", "counter", "Files and folders made durable"),
     ("counterpoint_free_bytes", "gauge", "Free bytes on the disk of the data folder"),
     ("counterpoint_ledger_writable", "gauge", "1 while the ledger can be written, otherwise 0"),
+    (
+        "counterpoint_clock_ahead_seconds",
+        "gauge",
+        "Seconds that the clock has jumped ahead, until that is confirmed; otherwise 0",
+    ),
     ("counterpoint_connections", "gauge", "Open connections"),
     ("counterpoint_build_info", "gauge", "1, with the version of the server, by `version`"),
     ("process_resident_memory_bytes", "gauge", "Memory of the process"),
@@ -225,6 +230,7 @@ impl Metrics {
         register(all, "counterpoint_free_bytes", storage.free_bytes.clone());
         register(all, "counterpoint_ledger_writable", storage.writable.clone());
         let process = Process::new();
+        register(all, "counterpoint_clock_ahead_seconds", process.clock_ahead_s.clone());
         register(all, "counterpoint_connections", process.connections.clone());
         register(all, "counterpoint_build_info", process.build.clone());
         register(all, "process_resident_memory_bytes", process.resident_bytes.clone());

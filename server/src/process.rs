@@ -12,6 +12,7 @@ pub(crate) struct Process {
     pub(crate) resident_bytes: Gauge,
     pub(crate) open_descriptors: Gauge,
     pub(crate) connections: Gauge,
+    pub(crate) clock_ahead_s: Gauge,
 }
 
 impl Process {

@@ -300,6 +300,7 @@ impl Service {
         }
         // Connections that outlive the server may still hold the core; the data folder must be free all the same.
         let _ = tokio::task::spawn_blocking(move || {
+            closed.keep_time();
             closed.ledger.close();
             closed.host.release();
             closed.close_spans();

@@ -345,8 +345,8 @@ impl Core {
     /// Ends a job that has been withdrawn, because its deadline is over.
     fn end_late(self: &Arc<Self>, live: &Arc<Live>, deadline: i64) {
         let record = live.record();
-        let ended_ms = self.board.clock.end_of(&record);
-        let mut ended = Record { state: State::Failed, ended_ms, paused: false, ..record };
+        let mut ended = Record { state: State::Failed, paused: false, ..record };
+        ended.end(&self.board.clock);
         ended.runs.limit = late(deadline);
         (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(Reached::Deadline));
         ended.error.clone_from(&ended.runs.limit);

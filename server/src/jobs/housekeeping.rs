@@ -84,6 +84,16 @@ fn keep(core: &Core) -> Keep {
 }
 
 impl Core {
+    /// Stores the time by which jobs grow old, for the next server.
+    pub(crate) fn keep_time(&self) {
+        if self.options.embedded.ephemeral {
+            return;
+        }
+        if let Err(error) = self.ledger.keep_highest(self.board.clock.now_ms()) {
+            tracing::debug!(%error, "the next server takes the time that was stored before");
+        }
+    }
+
     /// Removes them now; returns the numbers of removed jobs and blobs.
     pub(crate) fn collect(&self) -> Result<(u64, u64), Refusal> {
         let jobs = remove_expired(self, &keep(self))?;

@@ -149,8 +149,7 @@ impl Core {
         }
         for record in unfinished {
             let before = record.state;
-            let end = self.board.clock.end_of(&record);
-            let record = recovered(record, alone, self.options.attempts, end);
+            let record = recovered(record, alone, self.options.attempts, &self.board.clock);
             if before == State::Running {
                 tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
             }
@@ -358,8 +357,8 @@ impl Core {
 
     /// Ends a job that was withdrawn, because it was cancelled.
     async fn end_cancelled(&self, live: &Live, record: Record) -> Result<Record, Refusal> {
-        let ended_ms = self.board.clock.end_of(&record);
-        let ended = Record { state: State::Cancelled, ended_ms, paused: false, ..record };
+        let mut ended = Record { state: State::Cancelled, paused: false, ..record };
+        ended.end(&self.board.clock);
         self.ledger.update(ended.clone()).await?;
         live.change(|record| record.clone_from(&ended));
         self.ended(&ended);

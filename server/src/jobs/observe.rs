@@ -46,6 +46,7 @@ impl Core {
         self.metrics.watchers.set(count(watchers));
         self.metrics.lag.set(i64::try_from(lag).unwrap_or(i64::MAX));
         self.metrics.storage.free_bytes.set(self.host.free().map_or(0, |free| i64::try_from(free).unwrap_or(i64::MAX)));
+        self.metrics.process.clock_ahead_s.set(self.board.clock.ahead_ms() / 1000);
         self.metrics.storage.writable.set(i64::from(*self.ledger.writable().borrow()));
     }
 

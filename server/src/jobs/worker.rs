@@ -171,7 +171,7 @@ fn end(core: &Arc<Core>, live: &Arc<Live>, change: Change, log: Option<Small>, u
     record.runs.suspect = false;
     if record.state.ended() {
         record.paused = false;
-        record.ended_ms = core.board.clock.end_of(&record);
+        record.end(&core.board.clock);
     }
     core.leave(live);
     End::new(core, live, record, log).keep();
@@ -200,7 +200,7 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     // A run that takes the server down has left its mark.
     core.host.mark(&live.id, live.record().runs.attempt + 1)?;
     let record = live.change(|record| {
-        (record.state, record.runs.started_ms) = (State::Running, now_ms());
+        (record.state, record.runs.started_ms) = (State::Running, now_ms().max(record.submitted_ms));
         record.runs.attempt += 1;
     });
     core.changed(live);

@@ -15,6 +15,7 @@ use counterpoint_kernel::dialog::answers::Answer;
 use tokio::sync::watch;
 use uuid::Uuid;
 
+use crate::clock::Clock;
 use crate::machines::Definition;
 use crate::reason::Refusal;
 use prefix::IdPrefix;
@@ -83,6 +84,7 @@ impl Keep {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Ended {
     pub(crate) id: String,
+    /// By the clock that never goes back.
     pub(crate) ended_ms: i64,
 }
 
@@ -232,10 +234,10 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// The use of a tenant.
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal>;
 
-    /// The highest time that the clock had shown when the ledger was opened, ms since 1970, as far as is known.
+    /// The time by which jobs grow old when the ledger was opened, ms since 1970, as far as is known.
     fn highest_ms(&self) -> i64;
 
-    /// Stores the highest time that the clock has shown, from a thread that may block.
+    /// Stores the time by which jobs grow old, from a thread that may block.
     fn keep_highest(&self, ms: i64) -> Result<(), Refusal>;
 
     /// Number of this opening of the ledger: each is larger than the one before.
@@ -268,18 +270,18 @@ pub(crate) trait Ledger: Send + Sync + Debug {
 }
 
 /// State to which a job returns when the server starts. `alone`: no other job was running when the previous server
-/// ended, so the job may have ended it. A job that has ended with it has the time `end_ms`.
-pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32, end_ms: i64) -> Record {
+/// ended, so the job may have ended it.
+pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32, clock: &Clock) -> Record {
     let suspect = record.state == State::Running;
     if suspect && alone {
         record.runs.crashes += 1;
     }
     if record.cancel {
         record.state = State::Cancelled;
-        record.ended_ms = end_ms;
+        record.end(clock);
     } else if suspect && alone && record.runs.crashes >= attempts.max(1) {
         record.state = State::Failed;
-        record.ended_ms = end_ms;
+        record.end(clock);
         record.runs.cause = Some(record::Cause::Host);
         record.error = format!("poison: the server died {} times while this job ran alone", record.runs.crashes);
     } else {

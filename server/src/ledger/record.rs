@@ -13,6 +13,8 @@ use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::options::{Limits, Options};
 use serde::{Deserialize, Serialize};
 
+use crate::clock::Clock;
+pub(crate) use crate::clock::now_ms;
 use crate::machines::{Definition, Pinned};
 use crate::tenant;
 
@@ -278,6 +280,9 @@ pub struct Record {
     /// Likewise; 0 = not ended.
     #[serde(default)]
     pub ended_ms: i64,
+    /// Time of its end by which it grows old: by the clock that never goes back; 0 = `ended_ms`.
+    #[serde(default)]
+    pub aging_ms: i64,
     /// Events in the log.
     #[serde(default)]
     pub events: u64,
@@ -321,6 +326,7 @@ impl Record {
             paused: false,
             submitted_ms: 0,
             ended_ms: 0,
+            aging_ms: 0,
             events: 0,
             makespan_ns: 0,
             highest_severity: 0,
@@ -329,6 +335,17 @@ impl Record {
             findings: Vec::new(),
             log_digest: String::new(),
         }
+    }
+
+    /// Notes that it ends now: never before its submit and its start.
+    pub(crate) fn end(&mut self, clock: &Clock) {
+        self.ended_ms = now_ms().max(self.submitted_ms).max(self.runs.started_ms);
+        self.aging_ms = clock.now_ms();
+    }
+
+    /// Time from which it grows old after its end, ms.
+    pub(crate) fn ages_from(&self) -> i64 {
+        if self.aging_ms == 0 { self.ended_ms } else { self.aging_ms }
     }
 
     /// Memory that it takes about, with the state of its job.
@@ -369,12 +386,6 @@ impl Record {
     }
 }
 
-/// Milliseconds since 1970.
-pub(crate) fn now_ms() -> i64 {
-    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    since.map_or(0, |d| i64::try_from(d.as_millis()).unwrap_or(i64::MAX))
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
@@ -383,6 +394,18 @@ pub(crate) mod tests {
     pub(crate) fn work() -> Work {
         let machine = Definition::shipped("fanuc-mill");
         Work { machine, files: Vec::new(), options: Options::default(), answers: Vec::new() }
+    }
+
+    #[test]
+    fn no_job_ends_before_its_submit_or_its_start() {
+        let ahead = now_ms() + 3_600_000;
+        let mut later = Record { submitted_ms: ahead, ..record("a") };
+        later.end(&Clock::from(ahead));
+        assert!(later.ended_ms == ahead && later.aging_ms >= ahead);
+        later.runs.started_ms = 2 * ahead;
+        later.end(&Clock::from(0));
+        assert_eq!(later.ended_ms, 2 * ahead);
+        assert!(later.aging_ms < ahead);
     }
 
     /// A queued job.

@@ -7,8 +7,9 @@ use std::process::Command;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use counterpoint_proto::v1;
+use counterpoint_proto::v1::admin_client::AdminClient;
 use counterpoint_server::options::{Options, Retention};
-use redb::{ReadableDatabase as _, TableDefinition};
+use redb::{ReadableDatabase as _, ReadableTable as _, TableDefinition};
 use rustix::process::{Pid, Resource, Rlimit, getuid, prlimit};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
@@ -23,17 +24,15 @@ fn now_ms() -> u64 {
     u64::try_from(SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_millis()).unwrap()
 }
 
-/// The clock was an hour ahead when an earlier server ran, and has been set back.
+/// The clock was 40 years ahead when an earlier server ran, and has been set back.
 #[tokio::test]
-async fn after_a_clock_that_was_set_back_jobs_end_later_and_grow_old_by_the_highest_time() {
+async fn after_a_clock_that_was_set_back_jobs_end_at_the_right_time_and_grow_old() {
     let folder = tempfile::tempdir().unwrap();
-    let retention = Retention { keep_s: 1800, ..Retention::default() };
+    let retention = Retention { keep_s: 2, ..Retention::default() };
     let options = Options { retention, ..options(folder.path()) };
     let server = Server::start(options.clone()).await;
-    let old = server.submit("old", "EVENTS 1").await;
-    server.wait(&old).await;
     server.stop().await;
-    let ahead = now_ms() + HOUR_MS;
+    let ahead = now_ms() + 40 * 365 * 24 * HOUR_MS;
     let clock = |set: Option<u64>| {
         let database = redb::Database::open(folder.path().join("ledger.redb")).unwrap();
         if let Some(ms) = set {
@@ -45,21 +44,73 @@ async fn after_a_clock_that_was_set_back_jobs_end_later_and_grow_old_by_the_high
     };
     clock(Some(ahead));
     let server = Server::start(options.clone()).await;
-    let new = server.submit("new", "EVENTS 1").await;
-    let status = server.wait(&new).await;
-    assert!(status.ended_ms >= i64::try_from(ahead).unwrap() && status.ended_ms >= status.submitted_ms, "{status:?}");
+    for name in ["one", "two"] {
+        let job = server.submit(name, "EVENTS 1").await;
+        let v1::JobStatus { submitted_ms, started_ms, ended_ms, .. } = server.wait(&job).await;
+        assert!(submitted_ms <= started_ms && started_ms <= ended_ms, "{submitted_ms} {started_ms} {ended_ms}");
+        assert!(u64::try_from(ended_ms).unwrap() < ahead, "the status shows the clock");
+        is_gone(&server, &job).await;
+    }
+    server.stop().await;
+    let after = clock(None).unwrap();
+    assert!(after > ahead + 4000, "the time of two jobs is kept: {after}");
+    let server = Server::start(options).await;
+    let job = server.submit("three", "EVENTS 1").await;
+    server.wait(&job).await;
+    is_gone(&server, &job).await;
+    server.stop().await;
+}
+
+/// The clock shows a month more than when an earlier server ran: that is wrong, or the server was off for a month.
+#[tokio::test]
+async fn no_job_is_removed_because_of_a_clock_that_has_just_jumped_ahead() {
+    let folder = tempfile::tempdir().unwrap();
+    let retention = Retention { keep_s: 24 * 3600, ..Retention::default() };
+    let options = Options { retention, ..options(folder.path()) };
+    let server = Server::start(options.clone()).await;
+    let job = server.submit("old", "EVENTS 1").await;
+    server.wait(&job).await;
+    server.stop().await;
+    let month = i64::try_from(30 * 24 * HOUR_MS).unwrap();
+    make_older(folder.path(), month);
+    let server = Server::start(options).await;
+    let mut admin = AdminClient::new(server.connection.clone());
+    let removed = admin.collect(v1::CollectRequest {}).await.unwrap().into_inner();
+    assert_eq!(removed.jobs, 0, "the jump of the clock is not confirmed");
+    let young = server.submit("young", "EVENTS 1").await;
+    let status = server.wait(&young).await;
+    assert!(status.ended_ms > i64::try_from(now_ms()).unwrap() - month / 2, "the status shows the clock");
+    server.stop().await;
+}
+
+/// Waits until a job has been removed.
+async fn is_gone(server: &Server, job: &str) {
     let gone = async {
-        let ask = || v1::GetJobRequest { job_id: old.clone() };
-        while server.jobs().get_job(ask()).await.is_ok() {
+        while server.jobs().get_job(v1::GetJobRequest { job_id: job.to_owned() }).await.is_ok() {
             tokio::time::sleep(Duration::from_millis(20)).await;
         }
     };
-    tokio::time::timeout(Duration::from_secs(20), gone).await.expect("it is an hour old by the highest time");
-    server.stop().await;
-    assert_eq!(clock(None), Some(ahead), "the highest time stays stored");
-    let server = Server::start(options).await;
-    assert_eq!(server.status(&new).await.ended_ms, status.ended_ms, "the new job is young");
-    server.stop().await;
+    tokio::time::timeout(Duration::from_secs(30), gone).await.expect("the job grows old");
+}
+
+/// Makes the ledger and the ends in it older.
+fn make_older(folder: &Path, by_ms: i64) {
+    const ENDED: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDefinition::new("ended_jobs");
+    let database = redb::Database::open(folder.join("ledger.redb")).unwrap();
+    let txn = database.begin_write().unwrap();
+    {
+        let mut meta = txn.open_table(META).unwrap();
+        let clock = meta.get("clock_ms").unwrap().unwrap().value();
+        meta.insert("clock_ms", clock - u64::try_from(by_ms).unwrap()).unwrap();
+        let mut ended = txn.open_table(ENDED).unwrap();
+        let ((ms, id), value) = {
+            let (key, value) = ended.first().unwrap().unwrap();
+            ((key.value().0, key.value().1.to_owned()), (value.value().0, value.value().1.to_owned()))
+        };
+        ended.remove((ms, id.as_str())).unwrap();
+        ended.insert((ms - by_ms, id.as_str()), (value.0, value.1.as_str())).unwrap();
+    }
+    txn.commit().unwrap();
 }
 
 /// The command as a user that cannot write the folder.

@@ -119,7 +119,7 @@ impl Checkup {
             stored.insert(digest.value().to_owned(), count.value());
         }
         let ended = rows.jobs.iter().filter(|record| record.state.ended());
-        let ended: BTreeSet<_> = ended.map(|record| (record.ended_ms, record.id.clone())).collect();
+        let ended: BTreeSet<_> = ended.map(|record| (record.ages_from(), record.id.clone())).collect();
         rows.wrong_counts = stored != counts
             || retention::listed(&txn)? != ended
             || index::listed(&txn)? != index::expected(rows.jobs.iter())
@@ -138,7 +138,7 @@ impl Checkup {
     /// Removes ended jobs.
     pub(crate) fn remove(&self, jobs: &[&Record]) -> Result<(), Refusal> {
         let txn = self.database.begin_write().map_err(storage)?;
-        jobs.iter().try_for_each(|job| super::take_out(&txn, &job.id, job.ended_ms))?;
+        jobs.iter().try_for_each(|job| super::take_out(&txn, &job.id, job.ages_from()))?;
         txn.commit().map_err(storage)
     }
 

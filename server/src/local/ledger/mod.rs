@@ -327,7 +327,7 @@ impl Ledger for LocalLedger {
     }
 
     async fn remove(&self, record: Record) -> Result<(), Refusal> {
-        self.write(move |txn| take_out(txn, &record.id, record.ended_ms)).await
+        self.write(move |txn| take_out(txn, &record.id, record.ages_from())).await
     }
 
     fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {

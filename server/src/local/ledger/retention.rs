@@ -20,7 +20,7 @@ const EARLIER: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("end
 /// Lists a job that has ended, with its bytes; returns those that it was listed with before.
 pub(super) fn list(txn: &WriteTransaction, record: &Record, bytes: u64) -> Result<Option<u64>, Refusal> {
     let mut table = txn.open_table(ENDED).map_err(storage)?;
-    let key = (record.ended_ms, record.id.as_str());
+    let key = (record.ages_from(), record.id.as_str());
     let before = table.insert(key, (bytes, record.tenant.as_str())).map_err(storage)?;
     Ok(before.map(|row| row.value().0))
 }
@@ -53,7 +53,7 @@ pub(super) fn list_all(txn: &WriteTransaction, store: &Store) -> Result<(), Refu
         if let Some(record) = readable::<Record>(JOB, id.value(), row.value()).filter(|record| record.state.ended()) {
             let bytes = store.job_bytes(id.value()).max(record.runs.stored_bytes);
             let bytes = bytes.saturating_add(works::bytes(txn, id.value())?);
-            ended.insert((record.ended_ms, id.value()), (bytes, record.tenant.as_str())).map_err(storage)?;
+            ended.insert((record.ages_from(), id.value()), (bytes, record.tenant.as_str())).map_err(storage)?;
         }
     }
     Ok(())

@@ -6,6 +6,7 @@
 use redb::{ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 
 use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, machine_bytes, retention, seal, storage, usage, works};
+use crate::ledger::record::now_ms;
 use crate::local::store::Store;
 use crate::reason::Refusal;
 
@@ -118,19 +119,23 @@ pub(super) fn seal_files(txn: &WriteTransaction, store: &Store) -> Result<(), Re
     Ok(())
 }
 
-/// Stores the highest time that the clock has shown.
+/// Stores the time by which jobs grow old.
 pub(super) fn keep_highest(txn: &WriteTransaction, ms: i64) -> Result<(), Refusal> {
     let ms = u64::try_from(ms).unwrap_or(0);
     txn.open_table(META).map_err(storage)?.insert("clock_ms", ms).map_err(storage)?;
     Ok(())
 }
 
-/// The highest time that the clock has shown: as it was stored, or the end of the last job.
+/// The highest time by which jobs grew old: as it was stored, or the end of the last job. 0: an early version has stored
+/// none, and no job has ended later than now.
 pub(super) fn highest(txn: &WriteTransaction) -> Result<i64, Refusal> {
-    let stored = txn.open_table(META).map_err(storage)?.get("clock_ms").map_err(storage)?.map_or(0, |row| row.value());
+    let stored = txn.open_table(META).map_err(storage)?.get("clock_ms").map_err(storage)?.map(|row| row.value());
     let ended = txn.open_table(retention::ENDED).map_err(storage)?;
     let last = ended.last().map_err(storage)?.map_or(0, |(key, _)| key.value().0);
-    Ok(i64::try_from(stored).unwrap_or(0).max(last))
+    Ok(match stored {
+        None if last <= now_ms() => 0,
+        stored => i64::try_from(stored.unwrap_or(0)).unwrap_or(0).max(last),
+    })
 }
 
 /// The number of this opening.
