@@ -13,6 +13,7 @@ use uuid::Uuid;
 
 use crate::doctor::examine;
 use crate::local::contained::contained;
+use crate::local::disk::Disk;
 use crate::local::ledger::checkup::{Checkup, copy_ledger};
 use crate::local::store::Store;
 use crate::reason::Refusal;
@@ -48,12 +49,12 @@ pub fn backup(from: &Path, to: &Path) -> Result<Contents, String> {
 }
 
 fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
-    match Store::examine(from.to_owned()) {
+    match Store::examine(from.to_owned(), false, Disk::default()) {
         Ok(store) => copy_ledger(&store, &to.join("ledger.redb"))?,
         Err(error) if error.kind() == io::ErrorKind::ResourceBusy => ask(from, &to.join("ledger.redb"))?,
         Err(error) => return Err(error.into()),
     }
-    let target = Store::examine(to.to_owned())?;
+    let target = Store::examine(to.to_owned(), true, Disk::default())?;
     let checkup = Checkup::open(&target, true)?;
     let rows = checkup.rows()?;
     let mut gone = Vec::new();

@@ -11,9 +11,11 @@ use crate::blobs::{Blobs as _, is_digest};
 use crate::ledger::record::Record;
 use crate::local::blobs::LocalBlobs;
 use crate::local::contained::contained;
+use crate::local::disk::Disk;
 use crate::local::ledger::checkup::{Checkup, Rows};
 use crate::local::ledger::salvage::Saved;
-use crate::local::ledger::{lost, lost_for_good, not_lost};
+use crate::local::ledger::{lost, lost_by, lost_for_good, not_lost};
+use crate::local::named::{Named as _, is_of_host};
 use crate::local::store::Store;
 use crate::log::kept::Kept;
 use crate::log::reader::{Events, Reader};
@@ -43,9 +45,21 @@ impl fmt::Display for Damage {
 /// Examines the folder of a stopped server and repairs it if asked to. Returns every damage.
 ///
 /// # Errors
-/// When the folder cannot be examined: it is not there, a server uses it, or it cannot be read or written.
+/// When the folder cannot be examined: it is not there, a server uses it, or it cannot be read, or, for a repair,
+/// written.
 pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
-    let store = Store::examine(folder.to_owned()).map_err(|error| format!("'{}': {error}", folder.display()))?;
+    examine_on(folder, repair, Disk::default())
+}
+
+/// Same on a disk that may have troubles.
+///
+/// # Errors
+/// As above.
+pub fn examine_on(folder: &Path, repair: bool, disk: Disk) -> Result<Vec<Damage>, String> {
+    let store = Store::examine(folder.to_owned(), repair, disk).map_err(|error| match is_of_host(&error) {
+        true => error.to_string(),
+        false => format!("'{}': {error}", folder.display()),
+    })?;
     let blobs = LocalBlobs::new(store.clone(), u64::MAX);
     let mut doctor = Doctor { blobs, store, repair, lost: false, found: Vec::new() };
     contained(|| doctor.folder()).and_then(|done| done).map_err(|refusal| refusal.to_string())?;
@@ -85,11 +99,13 @@ impl Doctor {
             }
             self.pages()?;
             let opened = Checkup::open(&self.store, self.repair);
-            opened.map(Some).map_err(|error| lost(&self.store, &format!("cannot be opened ({error})")))
+            opened.map(Some).map_err(|why| lost_by(&self.store, "cannot be opened", why))
         });
         let checkup = match opened {
             Ok(Some(checkup)) => checkup,
             Ok(None) => return Ok(()),
+            // Not a damage, but trouble of the host.
+            Err(trouble @ Refusal::Storage(_)) => return Err(trouble),
             Err(refusal) => {
                 if !self.found.iter().any(|damage| damage.path == ledger) {
                     self.lasting(ledger, "the ledger cannot be used", refusal.to_string());
@@ -111,7 +127,11 @@ impl Doctor {
 
     /// Saves what is whole in a ledger with damaged pages.
     fn pages(&mut self) -> Result<(), Refusal> {
-        let Err(why) = Checkup::sound(&self.store) else { return Ok(()) };
+        let why = match Checkup::sound(&self.store) {
+            Ok(()) => return Ok(()),
+            Err(Refusal::DataLoss(why)) => why,
+            Err(trouble) => return Err(trouble),
+        };
         let damaged = lost(&self.store, &format!("is damaged ({why})"));
         let nothing = || lost_for_good(&self.store, &format!("is damaged ({why})"));
         let saved = Saved::read(&self.store).map_err(|_| nothing())?;
@@ -170,7 +190,7 @@ impl Doctor {
                 Err(refusal) => return Err(refusal),
                 Ok(None) => self.lasting(path, "the log of an ended job is gone", again),
                 Ok(Some(kept)) => {
-                    if let Some(error) = damage_of_log(&kept, record.events)? {
+                    if let Some(error) = damage_of_log(&kept, record.events).at(&path)? {
                         let path = if kept.is_in_files() { path } else { self.store.ledger() };
                         self.lasting(path, error.to_string(), again);
                     }
@@ -247,7 +267,7 @@ impl Doctor {
                     continue;
                 };
                 if self.repair {
-                    fs::remove_file(&path)?;
+                    fs::remove_file(&path).at(&path)?;
                 }
                 self.mendable(path, what, "it is removed, ", "upload the file again");
                 damaged.insert((tenant.to_owned(), name));
@@ -258,7 +278,7 @@ impl Doctor {
 }
 
 /// Why a log cannot be read to its last event; `None` if it can.
-fn damage_of_log(log: &Kept, events: u64) -> Result<Option<io::Error>, Refusal> {
+fn damage_of_log(log: &Kept, events: u64) -> io::Result<Option<io::Error>> {
     let whole = || {
         let mut read = Events::new(Reader::open_ended(log, 0)?, events);
         (&mut read).for_each(drop);
@@ -267,6 +287,6 @@ fn damage_of_log(log: &Kept, events: u64) -> Result<Option<io::Error>, Refusal> 
     match whole() {
         Ok(()) => Ok(None),
         Err(error) if error.kind() == io::ErrorKind::InvalidData => Ok(Some(error)),
-        Err(error) => Err(error.into()),
+        Err(error) => Err(error),
     }
 }

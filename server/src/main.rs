@@ -136,7 +136,8 @@ fn examine(folder: &Path, repair: bool) -> ExitCode {
     let found = match doctor::examine(folder, repair) {
         Ok(found) => found,
         Err(error) => {
-            output::failure(format_args!("counterpointd: the data folder cannot be examined: {error}"));
+            let what = if repair { "repaired" } else { "examined" };
+            output::failure(format_args!("counterpointd: the data folder cannot be {what}: {error}"));
             return ExitCode::from(3);
         }
     };

@@ -12,6 +12,7 @@ use dashmap::DashMap;
 use sha2::{Digest, Sha256};
 
 use super::disk::Temporary;
+use super::named::Named as _;
 use super::sizes::Sizes;
 use super::store::Store;
 use crate::blobs::{self, Blobs, hex, is_digest};
@@ -66,7 +67,9 @@ impl LocalBlobs {
     pub(crate) fn has_its_digest(&self, digest: &str) -> io::Result<bool> {
         let Place::Files(store) = &self.place else { return Ok(true) };
         let mut hash = Sha256::new();
-        io::copy(&mut store.disk().open(&store.blob(&self.tenant, digest))?, &mut hash)?;
+        let path = store.blob(&self.tenant, digest);
+        let mut file = store.disk().open(&path).at(&path)?;
+        io::copy(&mut file, &mut hash).at(&path)?;
         Ok(hex(&hash.finalize()) == digest)
     }
 

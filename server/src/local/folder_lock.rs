@@ -7,6 +7,8 @@ use std::fs::{File, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
+use super::named::Named as _;
+
 /// The lock of a data folder.
 #[derive(Debug)]
 pub(crate) struct FolderLock(Option<File>);
@@ -14,7 +16,8 @@ pub(crate) struct FolderLock(Option<File>);
 impl FolderLock {
     /// Takes the lock and leaves the process id of its holder in the file.
     pub(crate) fn take(folder: &Path) -> io::Result<Self> {
-        let file = File::options().read(true).write(true).create(true).truncate(false).open(folder.join("lock"))?;
+        let path = folder.join("lock");
+        let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).at(&path)?;
         let mut file = locked(file)?;
         // The process id serves people only: a full disk does not keep the server from starting.
         let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| writeln!(file, "{}", std::process::id()));
@@ -26,7 +29,7 @@ impl FolderLock {
         match Self::take(folder) {
             Err(error) if cannot_be_written(&error) => match File::open(folder.join("lock")) {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Self(None)),
-                file => locked(file?).map(|file| Self(Some(file))),
+                file => locked(file.at(folder)?).map(|file| Self(Some(file))),
             },
             other => other,
         }

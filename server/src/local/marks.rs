@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::disk::{Disk, Written};
+use super::named::Named as _;
 
 /// Bytes of a slot; a page holds a whole number of them.
 const SLOT: usize = 128;
@@ -39,7 +40,7 @@ impl Marks {
         let mut slots = Slots::default();
         let content = match disk.read(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            other => other?,
+            other => other.at(path)?,
         };
         for slot in content.chunks(SLOT) {
             match read(slot) {

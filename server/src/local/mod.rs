@@ -10,6 +10,7 @@ pub(crate) mod folder_lock;
 pub(crate) mod ledger;
 mod logs;
 mod marks;
+pub(crate) mod named;
 pub(crate) mod queue;
 mod shared;
 mod sizes;

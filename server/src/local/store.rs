@@ -13,6 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::disk::{Disk, Temporary};
 use super::folder_lock::FolderLock;
 use super::marks::Marks;
+use super::named::{Named as _, can_be_written, named};
 use super::shared::Shared;
 use super::spare;
 use crate::log::kept::Files;
@@ -55,7 +56,7 @@ impl Store {
         // The folder of a relative name such as `data` would be an empty path, which cannot be opened.
         let root = std::path::absolute(root)?;
         let new = !root.is_dir();
-        fs::create_dir_all(&root)?;
+        fs::create_dir_all(&root).at(&root)?;
         keep_private(&root);
         let lock = Arc::new(FolderLock::take(&root)?);
         let store = Self {
@@ -69,12 +70,13 @@ impl Store {
             jobs_synced: Arc::default(),
         };
         for folder in ["blobs", "jobs"] {
-            fs::create_dir_all(store.root.join(folder))?;
+            let folder = store.root.join(folder);
+            fs::create_dir_all(&folder).and_then(|()| can_be_written(&folder)).at(&folder)?;
         }
         store.take_earlier_marks()?;
         match fs::remove_dir_all(store.tmp()) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => fs::create_dir_all(store.tmp())?,
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(named(&store.tmp(), error)),
+            _ => fs::create_dir_all(store.tmp()).at(&store.tmp())?,
         }
         if new {
             store.sync_folder_of(&store.root)?;
@@ -83,17 +85,22 @@ impl Store {
         Ok(store)
     }
 
-    /// Takes a folder that is there, and changes nothing in it.
-    pub(crate) fn examine(root: PathBuf) -> io::Result<Self> {
+    /// Takes a folder that is there, and changes nothing in it. For a repair it must be possible to write it.
+    pub(crate) fn examine(root: PathBuf, repair: bool, disk: Disk) -> io::Result<Self> {
         if !root.is_dir() {
             return Err(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"));
         }
-        let lock = Arc::new(FolderLock::of_a_reader(&root)?);
+        if repair {
+            [root.clone(), root.join("ledger.redb"), root.join("jobs"), root.join("blobs")]
+                .iter()
+                .try_for_each(|path| can_be_written(path))?;
+        }
+        let lock = Arc::new(if repair { FolderLock::take(&root) } else { FolderLock::of_a_reader(&root) }?);
         Ok(Self {
-            marks: Arc::new(Marks::of(&root.join("marks"), Disk::default())?),
+            marks: Arc::new(Marks::of(&root.join("marks"), disk.clone())?),
             root,
             durable: true,
-            disk: Disk::default(),
+            disk,
             lock,
             lasting: Arc::default(),
             unsure: Arc::default(),
@@ -276,7 +283,7 @@ impl Store {
 
     /// Makes the names in the data folder itself durable.
     pub(crate) fn sync_root(&self) -> io::Result<()> {
-        if self.durable { self.disk.sync_folder(&self.root) } else { Ok(()) }
+        if self.durable { self.disk.sync_folder(&self.root).at(&self.root) } else { Ok(()) }
     }
 
     /// Makes names in the folder of `path` durable where the system has the notion.
@@ -362,10 +369,10 @@ impl Store {
     /// Moves the folder of a job whose row is lost to `lost`.
     pub(crate) fn set_aside(&self, id: &str) -> io::Result<PathBuf> {
         let aside = self.root.join("lost").join(id);
-        fs::create_dir_all(self.root.join("lost"))?;
+        fs::create_dir_all(self.root.join("lost")).at(&aside)?;
         match fs::remove_dir_all(&aside) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => fs::rename(self.job(id), &aside)?,
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(named(&aside, error)),
+            _ => fs::rename(self.job(id), &aside).at(&aside)?,
         }
         self.sync_root()?;
         Ok(aside)
@@ -375,7 +382,7 @@ impl Store {
     pub(crate) fn remove_job(&self, id: &str) -> io::Result<()> {
         match fs::remove_dir_all(self.job(id)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            other => other,
+            other => other.at(&self.job(id)),
         }
     }
 }
@@ -389,7 +396,7 @@ fn held(set: &Mutex<HashSet<PathBuf>>) -> MutexGuard<'_, HashSet<PathBuf>> {
 fn names(folder: &Path) -> io::Result<Vec<String>> {
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        other => other?,
+        other => other.at(folder)?,
     };
     let mut names = Vec::new();
     for entry in entries {

@@ -4,10 +4,13 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::Command;
+use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::admin_client::AdminClient;
+use counterpoint_server::doctor::examine_on;
+use counterpoint_server::local::disk::{Disk, Faults, Step};
 use counterpoint_server::options::{Options, Retention};
 use redb::{ReadableDatabase as _, ReadableTable as _, TableDefinition};
 use rustix::process::{Pid, Resource, Rlimit, getuid, prlimit};
@@ -151,6 +154,7 @@ async fn a_folder_that_cannot_be_written_is_examined_and_restore_and_start_say_s
         modes(&data, 0o555, 0o444);
         modes(&empty, 0o555, 0o444);
         let examined = as_reader(&["doctor"], &data);
+        let repaired = as_reader(&["doctor", "--repair"], &data);
         let restored = as_reader(&["restore", data.to_str().unwrap()], &empty);
         let started = as_reader(&["--listen", "127.0.0.1:0"], &data);
         modes(&data, 0o755, 0o644);
@@ -158,8 +162,92 @@ async fn a_folder_that_cannot_be_written_is_examined_and_restore_and_start_say_s
         assert!(examined.0 == Some(0) && examined.1.contains("0 damaged"), "{with_lock}: {examined:?}");
         assert!(restored.0 == Some(3) && restored.1.contains("cannot be written"), "{with_lock}: {restored:?}");
         assert!(started.0 == Some(3) && started.1.contains("data folder"), "{with_lock}: {started:?}");
+        for refused in [repaired, started] {
+            assert_eq!(refused.0, Some(3), "{with_lock}: {refused:?}");
+            for part in [data.to_str().unwrap(), "Permission denied", "as the user that owns"] {
+                assert!(refused.1.contains(part), "{with_lock} {part}: {refused:?}");
+            }
+            assert!(!refused.1.contains(" mv "), "it has no damage: {refused:?}");
+        }
         let _ = std::fs::remove_file(data.join("lock"));
     }
+}
+
+/// A single file that the user of the server may not use, as after a restore by root.
+#[tokio::test]
+async fn a_file_that_cannot_be_used_is_named_and_is_no_damage() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::set_permissions(folder.path(), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let data = folder.path().join("data");
+    let server = Server::start(options(&data)).await;
+    let job = server.submit("large", "EVENTS 3000").await;
+    server.wait(&job).await;
+    server.stop().await;
+    modes(&data, 0o777, 0o666);
+    let log = log_file(&data, &job);
+    let set = |path: &Path, mode| std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).unwrap();
+    const EXAMINE: &[&str] = &["doctor"];
+    const REPAIR: &[&str] = &["doctor", "--repair"];
+    for (file, mode, commands) in [
+        (data.join("ledger.redb"), 0o400, vec![EXAMINE, REPAIR]),
+        (data.join("ledger.redb"), 0o444, vec![REPAIR]),
+        (log, 0o400, vec![EXAMINE, REPAIR]),
+        (data.join("jobs"), 0o555, vec![REPAIR]),
+    ] {
+        let before = file.metadata().unwrap().permissions().mode();
+        set(&file, mode);
+        for command in commands {
+            let (code, text) = as_reader(command, &data);
+            assert_eq!(code, Some(3), "{}: {text}", file.display());
+            assert!(text.contains(file.to_str().unwrap()) && text.contains("as the user that owns"), "{text}");
+            assert!(!text.contains("damaged") && !text.contains(" mv "), "{text}");
+        }
+        set(&file, before);
+    }
+    assert_eq!(as_reader(&["doctor", "--repair"], &data).0, Some(0));
+}
+
+/// A disk without room for anything, or on which nothing can be written.
+struct Refusing(std::io::ErrorKind);
+
+impl Faults for Refusing {
+    fn before(&self, step: Step, _path: &Path) -> std::io::Result<usize> {
+        match step {
+            Step::Write(_) | Step::Resize(_) => Err(self.0.into()),
+            _ => Ok(usize::MAX),
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_repair_and_a_start_on_a_full_or_read_only_disk_name_the_file_and_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    for n in 0..200 {
+        server.submit(&format!("{n}"), "EVENTS 3").await;
+    }
+    server.stop().await;
+    let ledger = folder.path().join("ledger.redb");
+    for (kind, remedy) in [
+        (std::io::ErrorKind::StorageFull, "make room"),
+        (std::io::ErrorKind::ReadOnlyFilesystem, "mount its file system"),
+    ] {
+        let disk = || Disk::faulty(Arc::new(Refusing(kind)));
+        for damaged in [false, true] {
+            let whole = std::fs::read(&ledger).unwrap();
+            if damaged {
+                std::fs::write(&ledger, [&whole[..], b"x"].concat()).unwrap();
+            }
+            let repaired = examine_on(folder.path(), true, disk()).unwrap_err();
+            assert!(repaired.contains(ledger.to_str().unwrap()) && repaired.contains(remedy), "{repaired}");
+            assert!(!repaired.contains(" mv ") && !ledger.with_extension("redb.new").exists(), "{repaired}");
+            std::fs::write(&ledger, whole).unwrap();
+        }
+        let started = Server::try_start(options(folder.path()), disk()).await.err().unwrap().to_string();
+        assert!(started.contains(ledger.to_str().unwrap()) && started.contains(remedy), "{started}");
+        assert!(!started.contains(" mv "), "{started}");
+    }
+    assert_eq!(examine_on(folder.path(), true, Disk::default()), Ok(Vec::new()));
 }
 
 /// Asks for `/readyz`.

@@ -52,8 +52,7 @@ impl Checkup {
     /// Opens the ledger of a folder, to be written only for a repair.
     pub(crate) fn open(store: &Store, repair: bool) -> Result<Self, Refusal> {
         let place = Place::File(store.ledger(), store.disk().clone());
-        let opened = if repair { place.open() } else { place.try_frozen() };
-        let database = opened.map_err(storage)?;
+        let database = if repair { place.open() } else { place.try_frozen() }?;
         let txn = database.begin_write().map_err(storage)?;
         let before = schema::migrate(&txn, store)?;
         if repair {
@@ -64,7 +63,7 @@ impl Checkup {
     }
 
     /// Whether all pages of the ledger of a folder have their checksums; what is wrong, if not.
-    pub(crate) fn sound(store: &Store) -> Result<(), String> {
+    pub(crate) fn sound(store: &Store) -> Result<(), Refusal> {
         Place::File(store.ledger(), store.disk().clone()).check()
     }
 
@@ -188,12 +187,12 @@ impl Rows {
 pub(crate) fn copy_ledger(store: &Store, to: &Path) -> Result<(), Refusal> {
     super::not_lost(store)?;
     let place = Place::File(store.ledger(), store.disk().clone());
-    copy(&place.try_frozen().map_err(storage)?.begin_read().map_err(storage)?, to, store)
+    copy(&place.try_frozen()?.begin_read().map_err(storage)?, to, store)
 }
 
 /// Copies the state that a reader sees into a new file.
 pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &Store) -> Result<(), Refusal> {
-    let database = Place::File(to.to_owned(), store.disk().clone()).open().map_err(storage)?;
+    let database = Place::File(to.to_owned(), store.disk().clone()).open()?;
     let txn = database.begin_write().map_err(storage)?;
     copy_table(from, &txn, schema::META)?;
     copy_table(from, &txn, JOB)?;

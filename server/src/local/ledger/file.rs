@@ -13,6 +13,7 @@ use redb::StorageBackend;
 use redb::backends::FileBackend;
 
 use crate::local::disk::{Disk, Step};
+use crate::local::named::Named as _;
 
 const PAGE: u64 = 4096;
 
@@ -28,10 +29,10 @@ impl LedgerFile {
     /// Opens the file or creates an empty one. Its content is made durable first: a previous server, or a sync that
     /// failed, may have left an unanswered transaction that a loss of power would undo.
     pub(crate) fn open(disk: &Disk, path: &Path) -> io::Result<Self> {
-        disk.step(Step::Create, path)?;
-        let file = File::options().read(true).write(true).create(true).truncate(false).open(path)?;
-        disk.step(Step::Sync, path)?;
-        file.sync_data()?;
+        disk.step(Step::Create, path).at(path)?;
+        let file = File::options().read(true).write(true).create(true).truncate(false).open(path).at(path)?;
+        disk.step(Step::Sync, path).at(path)?;
+        file.sync_data().at(path)?;
         let inner = FileBackend::new(file).map_err(io::Error::other)?;
         Ok(Self { inner, disk: disk.clone(), path: path.to_owned() })
     }
@@ -47,24 +48,22 @@ impl StorageBackend for LedgerFile {
     }
 
     fn set_len(&self, len: u64) -> io::Result<()> {
-        self.disk.step(Step::Resize(len), &self.path)?;
-        self.inner.set_len(len)
+        self.disk.step(Step::Resize(len), &self.path).and_then(|_| self.inner.set_len(len)).at(&self.path)
     }
 
     fn sync_data(&self) -> io::Result<()> {
-        self.disk.step(Step::Sync, &self.path)?;
-        self.inner.sync_data()
+        self.disk.step(Step::Sync, &self.path).and_then(|_| self.inner.sync_data()).at(&self.path)
     }
 
     fn write(&self, offset: u64, data: &[u8]) -> io::Result<()> {
-        let most = self.disk.step(Step::Write(data.len()), &self.path)?;
-        match data.get(..most) {
+        let written = self.disk.step(Step::Write(data.len()), &self.path).and_then(|most| match data.get(..most) {
             Some(part) if part.len() < data.len() => {
                 self.inner.write(offset, part)?;
                 Err(io::ErrorKind::StorageFull.into())
             }
             _ => self.inner.write(offset, data),
-        }
+        });
+        written.at(&self.path)
     }
 
     fn close(&self) -> io::Result<()> {
@@ -87,8 +86,8 @@ struct Pages {
 
 impl Frozen {
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
-        let file = File::open(path)?;
-        let length = file.metadata()?.len();
+        let file = File::open(path).at(path)?;
+        let length = file.metadata().at(path)?.len();
         Ok(Self(Mutex::new(Pages { file, kept: length, length, changed: BTreeMap::new() })))
     }
 

@@ -40,7 +40,7 @@ use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
-pub(crate) use lost::{lost, lost_for_good, not_lost};
+pub(crate) use lost::{lost, lost_by, lost_for_good, not_lost};
 use rows::{get, next_id, parse, put, readable, take_out};
 use writer::{Operation, Place, Shared};
 
@@ -118,9 +118,9 @@ impl LocalLedger {
         let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
         not_lost(store)?;
         if store.ledger().metadata().is_ok_and(|meta| meta.len() > 0) {
-            place.check().map_err(|error| lost(store, &format!("is damaged ({error})")))?;
+            place.check().map_err(|why| lost_by(store, "is damaged", why))?;
         }
-        let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
+        let database = place.open().map_err(|why| lost_by(store, "cannot be opened", why))?;
         store.sync_root()?;
         let txn = database.begin_write().map_err(storage)?;
         let before = schema::migrate(&txn, store).map_err(|refusal| match refusal {

@@ -17,6 +17,7 @@ use super::{
 };
 use crate::ledger::record::Record;
 use crate::local::contained::{contained, damaged};
+use crate::local::named::{Named as _, named};
 use crate::local::store::Store;
 use crate::reason::Refusal;
 use crate::tenant;
@@ -213,15 +214,18 @@ impl Saved {
     pub(crate) fn replace(&self, store: &Store) -> Result<(), Refusal> {
         let (old, new) = (store.ledger(), store.ledger().with_extension("redb.new"));
         match fs::remove_file(&new) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(named(&new, error).into()),
             _ => {}
         }
         let place = Place::File(new.clone(), store.disk().clone());
-        let database = place.open().map_err(storage)?;
-        self.write(&database, store)?;
-        drop(database);
-        fs::rename(&old, Self::kept(store))?;
-        fs::rename(&new, &old)?;
+        let written = place.open().and_then(|database| self.write(&database, store));
+        if let Err(error) = written {
+            let _ = fs::remove_file(&new);
+            return Err(error);
+        }
+        let kept = Self::kept(store);
+        fs::rename(&old, &kept).at(&kept)?;
+        fs::rename(&new, &old).at(&old)?;
         Ok(store.sync_root()?)
     }
 

@@ -18,6 +18,7 @@ use super::pace::Paces;
 use super::storage;
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
+use crate::local::named::is_of_host;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 
@@ -49,28 +50,30 @@ pub(super) enum Place {
 
 impl Place {
     /// Opens or creates the database.
-    pub(super) fn open(&self) -> Result<Database, String> {
-        let text = |error: &dyn std::fmt::Display| error.to_string();
+    ///
+    /// # Errors
+    /// Damage is lost data; trouble of the host is not.
+    pub(super) fn open(&self) -> Result<Database, Refusal> {
         match self {
             Self::Memory => created(Database::builder(), redb::backends::InMemoryBackend::new()),
             Self::File(path, disk) => {
                 let mut builder = Database::builder();
                 builder.set_cache_size(CACHE);
-                created(builder, LedgerFile::open(disk, path).map_err(|error| text(&error))?)
+                created(builder, LedgerFile::open(disk, path)?)
             }
         }
     }
 
     /// Whether all pages of the file have their checksums; what is wrong, if not. Nothing is written.
-    pub(super) fn check(&self) -> Result<(), String> {
+    pub(super) fn check(&self) -> Result<(), Refusal> {
         let mut database = self.try_frozen()?;
         let whole = contained(|| database.check_integrity());
         let _ = contained(|| drop(database));
         match whole {
             Ok(Ok(true)) => Ok(()),
-            Ok(Ok(false)) => Err("its pages do not agree".to_owned()),
-            Ok(Err(error)) => Err(error.to_string()),
-            Err(_) => Err(DAMAGED.to_owned()),
+            Ok(Ok(false)) => Err(Refusal::DataLoss("its pages do not agree".to_owned())),
+            Ok(Err(error)) => Err(unusable(error)),
+            Err(_) => Err(Refusal::DataLoss(DAMAGED.to_owned())),
         }
     }
 
@@ -80,9 +83,9 @@ impl Place {
     }
 
     /// Same, or why it cannot be read.
-    pub(super) fn try_frozen(&self) -> Result<Database, String> {
-        let Self::File(path, _) = self else { return Err("it is in memory".to_owned()) };
-        created(Database::builder(), Frozen::open(path).map_err(|error| error.to_string())?)
+    pub(super) fn try_frozen(&self) -> Result<Database, Refusal> {
+        let Self::File(path, _) = self else { return Err(storage("it is in memory")) };
+        created(Database::builder(), Frozen::open(path)?)
     }
 }
 
@@ -119,9 +122,17 @@ impl Place {
 /// Of a file whose damage makes the database panic.
 const DAMAGED: &str = "its pages are damaged";
 
-fn created(builder: redb::Builder, backend: impl redb::StorageBackend) -> Result<Database, String> {
-    let created = contained(|| builder.create_with_backend(backend)).map_err(|_| DAMAGED.to_owned())?;
-    created.map_err(|error| error.to_string())
+fn created(builder: redb::Builder, backend: impl redb::StorageBackend) -> Result<Database, Refusal> {
+    let created = contained(|| builder.create_with_backend(backend));
+    created.map_err(|_| Refusal::DataLoss(DAMAGED.to_owned()))?.map_err(unusable)
+}
+
+/// Of a file that the database does not take: trouble of the host, or damage.
+fn unusable(error: redb::DatabaseError) -> Refusal {
+    match error {
+        redb::DatabaseError::Storage(redb::StorageError::Io(error)) if is_of_host(&error) => error.into(),
+        damage => Refusal::DataLoss(damage.to_string()),
+    }
 }
 
 /// Data that the writer shares with readers.
@@ -160,7 +171,7 @@ impl Shared {
                 true
             }
             Err(error) => {
-                tracing::warn!(error, "the ledger cannot be opened again yet");
+                tracing::warn!(%error, "the ledger cannot be opened again yet");
                 *database = self.place.frozen().map(Arc::new);
                 false
             }
