@@ -252,6 +252,8 @@ impl Service {
         if let Some(listener) = monitor {
             monitoring.spawn(net::monitor(listener, core.clone()));
         }
+        monitoring.spawn(gate.clone().note_left_out());
+        let counts = gate.clone();
         let mut routes = Routes::builder();
         let asked = stop.clone();
         let admin = rpc::Admin { core: core.clone(), stop: Box::new(move || begin(&asked)) };
@@ -300,6 +302,7 @@ impl Service {
         }
         // Connections that outlive the server may still hold the core; the data folder must be free all the same.
         let _ = tokio::task::spawn_blocking(move || {
+            counts.note_all_left_out(true);
             closed.keep_time();
             closed.ledger.close();
             closed.host.release();

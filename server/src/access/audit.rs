@@ -14,7 +14,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use serde::Serialize;
 use tonic::Code;
 
-use super::strangers::Strangers;
+use super::strangers::{LeftOut, Strangers};
 use super::{Caller, Role, calls};
 
 /// Most bytes of the path of a call.
@@ -32,6 +32,7 @@ pub(crate) struct Audit {
 #[derive(Serialize)]
 struct Line<'a> {
     time_ms: u128,
+    /// Of several calls without lines, the address or network alone.
     peer: &'a str,
     identity: Option<&'a str>,
     tenant: Option<&'a str>,
@@ -48,6 +49,10 @@ struct Line<'a> {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
 fn is_zero(number: &u64) -> bool {
     *number == 0
+}
+
+fn now_ms() -> u128 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_millis())
 }
 
 fn open(path: &Path) -> std::io::Result<File> {
@@ -84,13 +89,20 @@ impl Audit {
         let mut left_out = 0;
         if caller.is_none() && code != Code::Ok {
             let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
-            let Some(before) = strangers.refused(peer.ip(), Instant::now()) else { return };
-            left_out = before;
+            match strangers.refused(peer.ip(), Instant::now()) {
+                None => return,
+                // The number of calls of all others is no matter of this address.
+                Some((None, before)) if before > 0 => {
+                    drop(strangers);
+                    self.left_out((None, before));
+                }
+                Some((_, before)) => left_out = before,
+            }
         }
         let (peer, call) = (&*peer.to_string(), call.get(..call.floor_char_boundary(CALL)).unwrap_or_default());
         let identity = caller.map(|caller| &*caller.identity);
         let line = Line {
-            time_ms: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_millis()),
+            time_ms: now_ms(),
             peer,
             identity: identity.map(|identity| identity.name.as_str()),
             tenant: identity.map(|identity| identity.tenant.as_str()),
@@ -100,7 +112,34 @@ impl Audit {
             code: format!("{code:?}"),
             left_out,
         };
-        let Ok(mut text) = serde_json::to_vec(&line) else { return };
+        self.write(&line);
+    }
+
+    /// Notes the calls of strangers that have no line, a minute after their first; `all` at the end of the server.
+    pub(crate) fn note_left_out(&self, all: bool) {
+        let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
+        let left_out = strangers.forget(Instant::now(), all);
+        drop(strangers);
+        left_out.into_iter().for_each(|calls| self.left_out(calls));
+    }
+
+    fn left_out(&self, (address, left_out): LeftOut) {
+        let address = address.map(|address| address.to_string());
+        self.write(&Line {
+            time_ms: now_ms(),
+            peer: address.as_deref().unwrap_or("other addresses"),
+            identity: None,
+            tenant: None,
+            role: None,
+            call: "",
+            target: "",
+            code: String::new(),
+            left_out,
+        });
+    }
+
+    fn write(&self, line: &Line<'_>) {
+        let Ok(mut text) = serde_json::to_vec(line) else { return };
         text.push(b'\n');
         let written = self.file.lock().unwrap_or_else(PoisonError::into_inner).write_all(&text);
         match written {

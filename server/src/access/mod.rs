@@ -12,7 +12,7 @@ mod jwt;
 mod rate;
 mod refused;
 mod rights;
-mod strangers;
+pub(crate) mod strangers;
 pub mod token;
 
 use std::collections::HashMap;

@@ -26,7 +26,7 @@ pub(super) struct Refused {
 }
 
 /// The address by which a caller is known: of IPv6 the network, since a host has any number of addresses in it.
-fn known_by(address: IpAddr) -> IpAddr {
+pub(super) fn known_by(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(address) => IpAddr::V6(Ipv6Addr::from_bits(address.to_bits() >> 64 << 64)),
         address => address,

@@ -18,6 +18,7 @@ use super::web::Web;
 use crate::access::audit::Audit;
 use crate::access::calls::Needs;
 use crate::access::fair::{Stay, Turn};
+use crate::access::strangers::SPAN;
 use crate::access::{Access, Admitted, Caller, CertificateNames, calls};
 use crate::jobs::Core;
 use crate::metrics::{Metrics, Rates};
@@ -68,6 +69,20 @@ impl Gate {
         if let Some(Err(error)) = self.audit.as_ref().map(Audit::reopen) {
             tracing::error!(%error, "the audit log cannot be opened again");
         }
+    }
+
+    /// Notes the refused calls of strangers that have no line in the audit log yet, until the server ends.
+    pub(crate) async fn note_left_out(self: Arc<Self>) {
+        let mut minutes = tokio::time::interval(SPAN);
+        loop {
+            minutes.tick().await;
+            self.note_all_left_out(false);
+        }
+    }
+
+    /// Same now, at the end of the server of all.
+    pub(crate) fn note_all_left_out(&self, end: bool) {
+        self.audit.iter().for_each(|audit| audit.note_left_out(end));
     }
 
     /// Whether connections are encrypted.

@@ -127,6 +127,10 @@ async fn a_flood_of_a_stranger_has_few_lines_in_the_audit_log() {
     let log = std::fs::read_to_string(audit).unwrap();
     let lines = |code: &str| log.lines().filter(|line| line.contains(code)).count();
     assert_eq!((lines("Unauthenticated"), lines("PermissionDenied")), (10, 200), "those of an identity are all there");
+    let count = |line: &str| serde_json::from_str::<serde_json::Value>(line).unwrap()["left_out"].as_u64();
+    let left_out: Vec<_> = log.lines().filter_map(|line| Some((line, count(line)?))).collect();
+    assert!(left_out.len() == 1 && left_out[0].1 == 190, "the others are counted when the server ends: {left_out:?}");
+    assert!(left_out[0].0.contains(r#""peer":"127.0.0.1""#), "{left_out:?}");
 }
 
 /// Watches and waiting calls end within a second after their identity was revoked or has expired; jobs and the calls of
