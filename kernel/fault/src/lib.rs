@@ -253,6 +253,7 @@ diagnostics! {
     NO_NEXT_BLOCK 2900670 "no-next-block" 4 false "command for the next block after the program";
     FEED_RATE 2900680 "feed-above-rates" 4 false "feed above the rate of every axis";
     SPINDLE_OFF 2900681 "feed-without-spindle" 4 false "move at feed while the spindle is off";
+    SPEED_OF_FUNCTION 2900672 "speed-beside-function" 12 true "speed beside a function that may turn another spindle";
     UNIT_NOT_NAMED 2900682 "unit-not-named" 4 false "program looks like inches and names no unit";
     VALUE_WITHHELD 2900530 "value-withheld" 4 false "value removed by a data macro";
 }

@@ -64,6 +64,11 @@ pub struct Habits {
     pub machine_frame_rapid: bool,
     /// Whether a move at feed while the spindle is off is reported.
     pub feed_needs_spindle: bool,
+    /// Whether a speed word beside a function without effect is an alarm: the function may turn another spindle.
+    pub guards_speed: bool,
+    /// Whether a speed and its mode belong to the spindle of the block's spindle code, else to the spindle that the
+    /// channel started last; otherwise they belong to the active spindle.
+    pub speed_follows_codes: bool,
     /// Whether the active scale also applies to the centre of a rotation.
     pub scaled_center: bool,
     /// Whether a preset ends the local shift of its axes.
@@ -191,6 +196,8 @@ impl Default for Habits {
             stops: false,
             machine_frame_rapid: false,
             feed_needs_spindle: false,
+            guards_speed: false,
+            speed_follows_codes: false,
             scaled_center: false,
             preset_ends_shift: false,
             shift_of_each: false,

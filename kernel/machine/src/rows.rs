@@ -144,6 +144,8 @@ pub struct CodeRow {
     /// All axis words of a block with this code are the code's: those that it does not take are reported and move
     /// nothing.
     pub owns_axes: bool,
+    /// The function turns no spindle: a speed word beside it is that of the active spindle.
+    pub turns_no_spindle: bool,
     /// It acts beside an earlier row of its word whose conditions are met.
     pub also: bool,
     /// The block is examined as a whole before its codes act: the row is swallowed, or changes the length of the tool.

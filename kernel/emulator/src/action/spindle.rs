@@ -21,9 +21,9 @@ use counterpoint_sync::shared::Command;
 pub(crate) const ENTRIES: &[Entry] = &[
     entry_of_kind!(CodeKind::Spindle { number, direction, coolant } => |act, _row, _code| turn(act, number, direction, coolant))
     .contour(Contour::Commands),
-    Entry::of(&[codes::SPINDLE_CSS], |act, _, _| css(act)).contour(Contour::Commands),
-    Entry::of(&[codes::SPINDLE_RPM], |act, _, _| rpm(act)).contour(Contour::Commands),
-    Entry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| limit(act)).contour(Contour::Commands),
+    Entry::of(&[codes::SPINDLE_CSS], |act, _, _| with_speed_owner(act, css)).contour(Contour::Commands),
+    Entry::of(&[codes::SPINDLE_RPM], |act, _, _| with_speed_owner(act, rpm)).contour(Contour::Commands),
+    Entry::of(&[codes::SPINDLE_MAXRPM], |act, _, _| with_speed_owner(act, limit)).contour(Contour::Commands),
     Entry::of(&[codes::SPINDLE_CSS_MAIN], |act, _, _| driver(act, 1)),
     Entry::of(&[codes::SPINDLE_CSS_SIDE], |act, _, _| driver(act, 2)),
     Entry::of(&[codes::SPINDLE_CSS_RADIAL], |act, _, _| radial(act)),
@@ -33,6 +33,9 @@ pub(crate) const ENTRIES: &[Entry] = &[
 pub(super) fn turn(act: &mut Act<'_, '_>, number: u16, direction: Direction, coolant: Option<bool>) -> Acted {
     if let Some(on) = coolant {
         super::coolant::with_spindle(act, on);
+    }
+    if matches!(direction, Direction::Clockwise | Direction::CounterClockwise) {
+        act.state.others.spindles.started = number;
     }
     commanded(act, number, |act| {
         let angle = match direction {
@@ -47,6 +50,21 @@ pub(super) fn turn(act: &mut Act<'_, '_>, number: u16, direction: Direction, coo
             set_speed(c, css, speed);
         })
     })
+}
+
+/// Lets an action command the spindle that speeds belong to: the active one, or that of the spindle code in the block,
+/// else that started last (`[control] speed_owner`).
+fn with_speed_owner(act: &mut Act<'_, '_>, action: impl FnOnce(&mut Act<'_, '_>) -> Acted) -> Acted {
+    if !act.env.machine.habits.speed_follows_codes {
+        return action(act);
+    }
+    let machine = act.env.machine;
+    let mut numbers = act.block.pending.iter().filter_map(|pending| match machine.codes[pending.row].id.kind() {
+        CodeKind::Spindle { number, .. } => Some(number),
+        _ => None,
+    });
+    let number = numbers.next().unwrap_or(act.state.others.spindles.started);
+    commanded(act, number, action)
 }
 
 /// Removes from the block the data that a code without a spindle would have used.
@@ -124,6 +142,10 @@ pub(crate) fn speed_word(act: &mut Act<'_, '_>) -> Acted {
     if act.state.place.frames.is_some() {
         cutter::before(act, Contour::Commands, codes::SPINDLE_RPM)?;
     }
+    with_speed_owner(act, own_speed_word)
+}
+
+fn own_speed_word(act: &mut Act<'_, '_>) -> Acted {
     let css = act.spindle_command()?.css;
     match take_speed(act, css) {
         Some(speed) if !act.env.machine.habits.speed_word => {

@@ -66,7 +66,7 @@ impl Kernel<'_> {
         if self.channel.has_any(self.plan.registers.offsets) {
             self.offset_words()?;
         }
-        if self.channel.has_any(self.plan.registers.speed) { self.speed_first() } else { Ok(()) }
+        if self.channel.has_any(self.plan.registers.speed) { self.speed_before_codes() } else { Ok(()) }
     }
 
     /// Numbers of offsets that no code of the block takes select their offsets.
@@ -75,21 +75,6 @@ impl Kernel<'_> {
         let taken = self.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
         let free = self.plan.registers.offsets & !taken;
         if self.channel.has_any(free) { (self.plan.actions.offset_words)(self, free) } else { Ok(()) }
-    }
-
-    /// Puts a speed that no code of the block takes before the move of the block.
-    fn speed_first(&mut self) -> Acted {
-        let mut moves = false;
-        for pending in &self.channel.block.pending {
-            let row = &self.channel.env.machine.codes[pending.row];
-            let takes = matches!(row.id.kind(), CodeKind::Spindle { .. })
-                || matches!(row.id, codes::SPINDLE_CSS | codes::SPINDLE_RPM | codes::SPINDLE_MAXRPM);
-            if takes || self.plan.hooks.is_some() && self.matching_code_macro(row.id).is_some() {
-                return Ok(());
-            }
-            moves |= matches!(row.group, group::MOTION | group::CYCLE);
-        }
-        if moves { (self.plan.actions.speed_word)(self) } else { Ok(()) }
     }
 
     /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.

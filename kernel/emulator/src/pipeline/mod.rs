@@ -19,6 +19,7 @@ mod messages;
 mod owned_words;
 mod preprocess;
 mod read;
+mod speed_words;
 mod split;
 mod unit_named;
 

@@ -77,6 +77,8 @@ pub(crate) struct Spindles {
     pub(crate) kept: Table<SpindleId, Command>,
     /// Milling mode.
     pub(crate) milling: bool,
+    /// Number in the code of the spindle that the channel started last, 0 = codes without a number.
+    pub(crate) started: u16,
     /// Head that drives constant surface speed, when a code has set it.
     pub(crate) driver: Option<u16>,
     /// A speed that waits for the next spindle code.
@@ -91,6 +93,7 @@ impl Spindles {
             mill: channel.milling,
             kept: machine.spindles.map(|_, _| Command::default()),
             milling: false,
+            started: 0,
             driver: None,
             waiting: None,
         }

@@ -75,6 +75,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
     let without = registers(section, "without", names);
     let ignores = registers(section, "ignores", names);
     let owns_axes = section.flag("owns_axes");
+    let turns_no_spindle = section.flag("turns_no_spindle").unwrap_or(false);
     let also = section.flag("also").unwrap_or(false);
     if also && with.is_empty() && without.is_empty() {
         section.error("also", "a row that acts beside another one of its word needs `with` or `without`");
@@ -118,6 +119,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         without,
         ignores,
         owns_axes: owns_axes.unwrap_or_else(|| ident::owns::owns_axes(id)),
+        turns_no_spindle,
         also,
         special: swallow || !process || matches!(id.kind(), CodeKind::Length { .. }),
         seconds,

@@ -74,6 +74,10 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> (Habits
     let moves = [("by-mode", false), ("rapid", true)];
     habits.machine_frame_rapid = section.choice("machine_frame", &moves).unwrap_or(habits.machine_frame_rapid);
     habits.feed_needs_spindle = section.flag("feed_needs_spindle").unwrap_or(habits.feed_needs_spindle);
+    let speeds = [("active-spindle", false), ("alarm", true)];
+    habits.guards_speed = section.choice("speed_beside_functions", &speeds).unwrap_or(habits.guards_speed);
+    let owners = [("active", false), ("commanded", true)];
+    habits.speed_follows_codes = section.choice("speed_owner", &owners).unwrap_or(habits.speed_follows_codes);
     let centers = [("as-programmed", false), ("scaled", true)];
     habits.scaled_center = section.choice("rotation_center", &centers).unwrap_or(habits.scaled_center);
     let numbers = [("missing", false), ("first", true)];

@@ -126,7 +126,13 @@ fn give(
         }
     }
     if !found {
-        rows.push(function_row(entry, register, value, (seconds, overlap)));
+        let replaces = |row: &CodeRow| {
+            row.enable
+                && form_range(&row.form).is_some_and(|(of, min, max)| of == register && (min..=max).contains(&value))
+        };
+        let turns_no_spindle = rows.iter().any(|row| replaces(row) && row.turns_no_spindle);
+        let row = function_row(entry, register, value, (seconds, overlap));
+        rows.push(CodeRow { turns_no_spindle, ..row });
     }
 }
 
@@ -145,6 +151,7 @@ fn function_row(entry: &Entry, register: RegisterId, value: f64, (seconds, overl
         without: Vec::new(),
         ignores: Vec::new(),
         owns_axes: false,
+        turns_no_spindle: false,
         also: false,
         special: false,
         seconds,

@@ -184,6 +184,7 @@ pub fn code(machine: &Machine, row: &CodeRow) -> Value {
         "without": names(&row.without),
         "ignores": names(&row.ignores),
         "owns_axes": row.owns_axes,
+        "turns_no_spindle": row.turns_no_spindle,
         "also": row.also,
         "seconds": row.seconds,
         "overlap": word(row.overlap),

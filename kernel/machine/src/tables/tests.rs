@@ -49,6 +49,7 @@ fn code(register: usize, min: f64, max: f64, order: u16) -> CodeRow {
         without: Vec::new(),
         ignores: Vec::new(),
         owns_axes: false,
+        turns_no_spindle: false,
         also: false,
         special: false,
         seconds: 0.0,

@@ -1,0 +1,71 @@
+//! Speed words that no code of their block takes.
+//!
+//! Facts: reference control-emulator.md 3.3, shop-machines.md 2 (the speed belongs to the spindle of the M function in
+//! its block). *Invariant:* a speed beside a function that may turn another spindle never reaches the active spindle.
+
+use counterpoint_fault as diag;
+use counterpoint_fault::Acted;
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::number::written;
+use counterpoint_machine::rows::{CodeForm, CodeRow};
+
+use crate::channel::Kernel;
+use crate::state::modal::group;
+
+impl Kernel<'_> {
+    /// Puts a speed that no code of the block takes before the move of the block.
+    ///
+    /// # Errors
+    /// The alarm of a speed that may be that of another spindle.
+    #[cold]
+    pub(super) fn speed_before_codes(&mut self) -> Acted {
+        let (mut moves, mut function) = (false, None);
+        for pending in &self.channel.block.pending {
+            let row = &self.channel.env.machine.codes[pending.row];
+            let takes = matches!(row.id.kind(), CodeKind::Spindle { .. }) || row.id == codes::SPINDLE_MAXRPM;
+            if takes || self.plan.hooks.is_some() && self.matching_code_macro(row.id).is_some() {
+                return Ok(());
+            }
+            moves |= matches!(row.group, group::MOTION | group::CYCLE);
+            function = function.or_else(|| self.function_without_effect(row).then_some(*pending));
+        }
+        if let Some(pending) = function.filter(|_| self.channel.env.machine.habits.guards_speed) {
+            return self.refuse_speed(pending.value);
+        }
+        let by_code =
+            |id| self.channel.block.pending.iter().any(|pending| self.channel.env.machine.codes[pending.row].id == id);
+        if !moves || by_code(codes::SPINDLE_CSS) || by_code(codes::SPINDLE_RPM) {
+            return Ok(());
+        }
+        (self.plan.actions.speed_word)(self)
+    }
+
+    /// Whether the row is an M function that has no effect and may turn a spindle of the real machine.
+    fn function_without_effect(&self, row: &CodeRow) -> bool {
+        let (CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. }) = row.form else {
+            return false;
+        };
+        let idle = !row.process || row.id == codes::FUNCTION;
+        idle && !row.turns_no_spindle && Some(register) == self.plan.registers.function
+    }
+
+    /// The alarm of a speed beside a function without effect.
+    fn refuse_speed(&mut self, function: f64) -> Acted {
+        let Some(register) = self.plan.registers.function else { return Ok(()) };
+        let machine = self.channel.env.machine;
+        let function = format!("M{}", written(function, &machine.registers[register].format));
+        let speeds = self.plan.registers.speed;
+        let word = self.channel.block.words.iter().find(|word| !word.used && speeds & word.register.bit() != 0);
+        let word =
+            word.map_or_else(|| "the speed".to_owned(), |word| self.span_text((word.start, word.end)).to_owned());
+        let text = format!(
+            "{word} beside {function} in '{}': {function} has no effect on machine {} and may turn another spindle, so \
+             no spindle takes the speed; make {function} a spindle code of the machine, or give its row \
+             `turns_no_spindle = true`",
+            self.block_text(),
+            machine.name
+        );
+        Err(self.alarm(&diag::SPEED_OF_FUNCTION, text))
+    }
+}
