@@ -148,7 +148,16 @@ impl Doctor {
         if self.repair && !saved.is_whole() {
             self.lost = true;
             let what = "rows of jobs and machines may be lost with its damaged pages";
-            self.lasting(kept, what, "submit jobs that are missing again, and put machines that are missing");
+            self.lasting(kept.clone(), what, "submit jobs that are missing again, and put machines that are missing");
+            for (id, request) in saved.lost_jobs() {
+                let request = request.map_or(String::new(), |request| format!(" (request id '{request}')"));
+                let what = format!("job '{id}'{request} is lost, or was deleted before");
+                self.lasting(kept.clone(), what, "submit it again if it is missing");
+            }
+            for id in saved.doubtful_jobs() {
+                let what = format!("job '{id}' was found without its table: it may have been deleted before");
+                self.lasting(kept.clone(), what, "delete it again in this case");
+            }
         }
         if self.repair { Ok(()) } else { Err(damaged) }
     }
@@ -156,11 +165,10 @@ impl Doctor {
     fn rows(&mut self, rows: &Rows) {
         let ledger = self.store.ledger();
         for row in &rows.unreadable {
-            let (what, then) = match row.machine {
-                true => ("machine", "put the machine again"),
-                false => ("job", "submit the job again"),
+            let (text, then) = match row.machine {
+                true => (format!("the row of machine '{}' cannot be read", row.key), "put the machine again"),
+                false => (format!("the row of job '{}' or its work cannot be read", row.key), "submit the job again"),
             };
-            let text = format!("the row of {what} '{}' cannot be read", row.key);
             self.mendable(ledger.clone(), text, "the row is removed, ", then);
         }
         for request in &rows.requests {

@@ -281,3 +281,52 @@ async fn rows_that_damage_has_cut_off_are_saved_and_the_folder_of_a_lost_job_is_
         assert!(log_file(folder.path(), &jobs[2]).exists());
     }
 }
+
+/// The rows of jobs that wait are in no file: their work and requests tell that they are lost.
+#[tokio::test]
+async fn a_repair_names_the_jobs_that_are_lost_or_may_have_been_deleted() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let file = server.upload(b"extends = \"fanuc-mill\"\n[ce]\nname = \"mine\"\n").await;
+    let files = vec![v1::MachineFile { path: "mine/machine.toml".into(), digest: file }];
+    server.machines().put_machine(v1::PutMachineRequest { name: "mine".into(), files }).await.unwrap();
+    let deleted = server.submit("deleted", "EVENTS 1").await;
+    server.wait(&deleted).await;
+    server.jobs().delete_job(v1::DeleteJobRequest { job_id: deleted.clone() }).await.unwrap();
+    let hang = server.submit("hang", "HANG").await;
+    server.until(&hang, v1::JobState::Running).await;
+    let mut jobs = vec![("hang", hang)];
+    for name in ["wait-1", "wait-2", "wait-3"] {
+        let request =
+            v1::SubmitJobRequest { priority: v1::JobPriority::Low.into(), ..server.request(name, "HANG").await };
+        jobs.push((name, server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id));
+    }
+    server.stop().await;
+    let ledger = folder.path().join("ledger.redb");
+    let clean = std::fs::read(&ledger).unwrap();
+    let mut content = clean.clone();
+    // A row of a job has its state.
+    for page in pages_with(&content, "\"state\":") {
+        content[page * 4096..(page + 1) * 4096].fill(0);
+    }
+    std::fs::write(&ledger, &content).unwrap();
+    let (code, text) = command(folder.path(), &["--repair"]);
+    assert_eq!(code, Some(1), "{text}");
+    for (request, job) in &jobs {
+        let line = text.lines().find(|line| line.contains(&format!("job '{job}'")) && line.contains("is lost"));
+        assert!(line.is_some_and(|line| line.contains("submit it again")), "{request}: {text}");
+    }
+    assert_eq!(command(folder.path(), &[]).0, Some(0));
+    // Without its head, a ledger does not tell which of its rows were removed.
+    let mut headless = clean;
+    headless[..4096].fill(0xaa);
+    std::fs::write(&ledger, &headless).unwrap();
+    let (_, text) = command(folder.path(), &["--repair"]);
+    let server = Server::start(options(folder.path())).await;
+    let there = server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap().into_inner();
+    for status in there.jobs {
+        let line = text.lines().find(|line| line.contains(&format!("job '{}' was found without", status.job_id)));
+        assert!(line.is_some_and(|line| line.contains("delete it again")), "{}: {text}", status.job_id);
+    }
+    server.stop().await;
+}

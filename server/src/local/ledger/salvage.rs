@@ -34,6 +34,12 @@ pub(crate) struct Saved {
     works: Contents,
     logs: Contents,
     machines: Contents,
+    /// Keys of requests by the identities of their jobs.
+    requests: BTreeMap<String, String>,
+    /// Jobs of which only another row was found, or their request.
+    lost: BTreeSet<String>,
+    /// Jobs of rows that no table and no request names.
+    doubtful: BTreeSet<String>,
     epoch: Option<u64>,
     files: bool,
     /// Tables that were read to their ends.
@@ -109,6 +115,7 @@ impl Saved {
     pub(crate) fn read(store: &Store) -> Result<Self, Refusal> {
         let place = Place::File(store.ledger(), store.disk().clone());
         let mut best: Option<Self> = None;
+        let mut requests = BTreeMap::new();
         for mut database in place.states() {
             let mut saved = Self::default();
             // A tree with a wrong page may look whole.
@@ -119,13 +126,17 @@ impl Saved {
                 let _ = contained(|| drop(txn));
             }
             let _ = contained(|| drop(database));
+            requests.extend(saved.requests.clone());
             if best.as_ref().is_none_or(|best| (saved.whole, saved.rows()) > (best.whole, best.rows())) {
                 best = Some(saved);
             }
         }
         let mut best = best.unwrap_or_default();
         if !best.is_whole() {
+            // Any state may name them; none is needed to be right.
+            best.requests = requests;
             best.hidden(store)?;
+            best.lost();
         }
         if best.rows() > 0 { Ok(best) } else { Err(damaged()) }
     }
@@ -151,16 +162,35 @@ impl Saved {
         })?;
         let [.., machines] = &mut found;
         machines.retain(|key, _| !unsure.contains(key));
+        let [jobs, ..] = &found;
+        let unknown = |id: &&String| !self.jobs.contains_key(*id) && !self.requests.contains_key(*id);
+        self.doubtful = jobs.keys().filter(unknown).cloned().collect();
         let saved = [&mut self.jobs, &mut self.works, &mut self.logs, &mut self.machines];
         for (saved, found) in saved.into_iter().zip(found) {
             for (key, row) in found {
                 saved.entry(key).or_insert(row);
             }
         }
-        // What belongs to no job was hidden because the job has been removed.
+        Ok(())
+    }
+
+    /// Notes the jobs whose rows are not there, and leaves out what belongs to them: they are lost, or were removed
+    /// before.
+    fn lost(&mut self) {
+        let named = self.requests.keys().chain(self.works.keys()).chain(self.logs.keys());
+        self.lost = named.filter(|id| !self.jobs.contains_key(*id)).cloned().collect();
         self.works.retain(|id, _| self.jobs.contains_key(id));
         self.logs.retain(|id, _| self.jobs.contains_key(id));
-        Ok(())
+    }
+
+    /// Jobs that are lost, each with its request if that is known.
+    pub(crate) fn lost_jobs(&self) -> impl Iterator<Item = (&str, Option<&str>)> {
+        self.lost.iter().map(|id| (id.as_str(), self.requests.get(id).map(String::as_str)))
+    }
+
+    /// Jobs that may have been deleted before.
+    pub(crate) fn doubtful_jobs(&self) -> impl Iterator<Item = &str> {
+        self.doubtful.iter().map(String::as_str)
     }
 
     fn collect(&mut self, txn: &ReadTransaction, store: &Store) {
@@ -176,18 +206,13 @@ impl Saved {
         self.whole = whole.count();
         let mut ids: BTreeSet<String> = store.jobs().unwrap_or_default().into_iter().collect();
         ids.extend([&self.jobs, &self.works, &self.logs].into_iter().flat_map(Contents::keys).cloned());
-        ids.extend(
-            attempt(|| {
-                let requests = txn.open_table(REQUEST).map_err(storage)?;
-                Ok(requests
-                    .iter()
-                    .map_err(storage)?
-                    .map_while(Result::ok)
-                    .map(|(_, id)| id.value().to_owned())
-                    .collect())
-            })
-            .unwrap_or_else(Vec::new),
-        );
+        self.requests = attempt(|| {
+            let requests = txn.open_table(REQUEST).map_err(storage)?;
+            let rows = requests.iter().map_err(storage)?.map_while(Result::ok);
+            Ok(rows.map(|(request, id)| (id.value().to_owned(), request.value().to_owned())).collect())
+        })
+        .unwrap_or_default();
+        ids.extend(self.requests.keys().cloned());
         by_identity(txn, JOB, &ids, &mut self.jobs);
         by_identity(txn, works::WORK, &ids, &mut self.works);
         by_identity(txn, LOG, &ids, &mut self.logs);
