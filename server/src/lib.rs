@@ -18,6 +18,7 @@ mod jobs;
 mod ledger;
 pub mod local;
 pub mod log;
+pub mod logging;
 mod machines;
 mod memory;
 mod metrics;

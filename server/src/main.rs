@@ -10,8 +10,8 @@ use counterpoint_server::backup::{self, Contents};
 use counterpoint_server::doctor;
 use counterpoint_server::notify::Manager;
 use counterpoint_server::options::{Flags, Options};
-use counterpoint_server::output::{self, Lossy};
-use counterpoint_server::{service, start_threads};
+use counterpoint_server::output;
+use counterpoint_server::{logging, service, start_threads};
 
 /// The Counterpoint server: runs NC programs as the control would
 #[derive(Debug, Parser)]
@@ -174,25 +174,29 @@ fn main() -> ExitCode {
     if let Some(command) = arguments.command {
         return run(&command, &options);
     }
-    logging();
+    let format = options.log_format;
+    logging::start(format);
     keep_private();
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    if let Err(error) = start_threads::can_start(threads) {
-        return fail(3, &error);
+    match start(options, arguments.config.as_deref()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            logging::end(format, &error);
+            ExitCode::from(3)
+        }
     }
-    match tokio::runtime::Builder::new_multi_thread()
+}
+
+/// Runs the server to its end.
+fn start(options: Options, config: Option<&Path>) -> Result<(), Box<dyn std::error::Error>> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    start_threads::can_start(threads)?;
+    let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .worker_threads(threads)
         .thread_name("rpc")
         .thread_keep_alive(IDLE_THREAD)
-        .build()
-    {
-        Ok(runtime) => match runtime.block_on(serve(options, arguments.config.as_deref())) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(error) => fail(3, &error),
-        },
-        Err(error) => fail(3, &error),
-    }
+        .build()?;
+    Ok(runtime.block_on(serve(options, config))?)
 }
 
 /// Files and folders that the server makes are for its own user only.
@@ -204,18 +208,6 @@ fn keep_private() {
 fn fail(code: u8, error: &dyn std::fmt::Display) -> ExitCode {
     output::failure(format_args!("counterpointd: {error}"));
     ExitCode::from(code)
-}
-
-fn logging() {
-    let filter = tracing_subscriber::EnvFilter::try_from_env("COUNTERPOINT_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
-    let colours = std::io::IsTerminal::is_terminal(&std::io::stderr());
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_ansi(colours)
-        .with_writer(|| Lossy(std::io::stderr()))
-        .log_internal_errors(false)
-        .init();
 }
 
 async fn serve(options: Options, config: Option<&Path>) -> Result<(), service::Error> {

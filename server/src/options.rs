@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 use counterpoint_kernel::options::Limits;
 use serde::{Deserialize, Serialize};
 
+use crate::logging::LogFormat;
+
 mod groups;
 mod tenants;
 
@@ -36,6 +38,8 @@ pub struct Options {
     pub grace_s: u64,
     /// Free bytes on the disk of the data folder below which no run starts and no job or upload is accepted.
     pub min_free_bytes: u64,
+    /// Form of the log on standard error.
+    pub log_format: LogFormat,
     /// Permitted callers.
     #[serde(flatten)]
     pub guard: Guard,
@@ -89,6 +93,7 @@ impl Default for Options {
             attempts: 3,
             grace_s: 30,
             min_free_bytes: 256 << 20,
+            log_format: LogFormat::default(),
             guard: Guard::default(),
             system: System::default(),
             maxima: Maxima::default(),
@@ -195,6 +200,9 @@ pub struct Flags {
     /// Free disk space below which no run starts and no job or upload is accepted, bytes
     #[arg(long, env = "COUNTERPOINT_MIN_FREE_BYTES", value_name = "BYTES")]
     pub min_free_bytes: Option<u64>,
+    /// Form of the log on standard error
+    #[arg(long, env = "COUNTERPOINT_LOG_FORMAT", value_enum, value_name = "FORMAT")]
+    pub log_format: Option<LogFormat>,
     /// Guard
     #[command(flatten)]
     pub guard: GuardFlags,
@@ -231,6 +239,7 @@ impl Flags {
         set(&mut options.attempts, self.attempts);
         set(&mut options.grace_s, self.grace_s);
         set(&mut options.min_free_bytes, self.min_free_bytes);
+        set(&mut options.log_format, self.log_format);
         self.guard.over(&mut options.guard);
         self.system.over(&mut options.system);
         self.maxima.over(&mut options.maxima);

@@ -1,0 +1,50 @@
+//! The log of the running server on standard error, as text or as JSON.
+//!
+//! Invariants: both forms have the same lines with the same fields and spans, filtered by `COUNTERPOINT_LOG`. In JSON
+//! every line is one object, also the report of a panic and the reason for which the server ends. A line that cannot
+//! be written is dropped and ends no thread.
+
+use std::fmt::Display;
+use std::io::{IsTerminal as _, stderr};
+
+use serde::{Deserialize, Serialize};
+use tracing_subscriber::EnvFilter;
+
+use crate::output::{self, Lossy};
+
+/// Form of the log.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum LogFormat {
+    /// Lines for reading, in colours on a terminal
+    #[default]
+    Text,
+    /// One JSON object in each line
+    Json,
+}
+
+/// Begins the log of this process.
+pub fn start(format: LogFormat) {
+    let filter = EnvFilter::try_from_env("COUNTERPOINT_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
+    let lines = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_ansi(format == LogFormat::Text && stderr().is_terminal())
+        .with_writer(|| Lossy(stderr()))
+        .log_internal_errors(false);
+    match format {
+        LogFormat::Text => lines.init(),
+        LogFormat::Json => {
+            lines.json().with_current_span(false).init();
+            std::panic::set_hook(Box::new(|panic| tracing::error!(%panic, "a thread has panicked")));
+        }
+    }
+}
+
+/// Reports the reason for which the running server ends.
+pub fn end(format: LogFormat, reason: &dyn Display) {
+    if format == LogFormat::Json && tracing::enabled!(tracing::Level::ERROR) {
+        tracing::error!(%reason, "the server ends");
+    } else {
+        output::failure(format_args!("counterpointd: {reason}"));
+    }
+}
