@@ -13,7 +13,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::remote::Remote;
 pub(crate) use calibrate::Calibrate;
 pub(crate) use inputs::{Inputs, Levels, On, ProgramFiles, RaceCheck, Switches, Timing};
-pub(crate) use jobs::{JobFilter, Jobs, NAME, Priority, RequestArgs, Rerun, State, Status, Watch, When};
+pub(crate) use jobs::{JobFilter, Jobs, Many, NAME, Priority, RequestArgs, Rerun, State, Status, Watch, When};
 pub(crate) use lint::Lint;
 pub(crate) use machines::{Machine, Part, Rows};
 
@@ -54,6 +54,17 @@ const WATCH_EXAMPLES: &str = "\
 Examples:
   counterpoint watch 01938f2c
   counterpoint watch --all --label part=17 --state failed";
+
+const CANCEL_EXAMPLES: &str = "\
+Examples:
+  counterpoint cancel 01938f2c
+  counterpoint cancel --state queued --label part=17 --dry-run
+  counterpoint cancel --all --yes";
+
+const DELETE_EXAMPLES: &str = "\
+Examples:
+  counterpoint delete 01938f2c
+  counterpoint delete --state failed --machine fanuc-mill --yes";
 
 const JOBS_EXAMPLES: &str = "\
 Examples:
@@ -116,14 +127,16 @@ pub(crate) enum Command {
     Status(Status),
     /// Run a job again with its files, options and machine revision; print the new job's id
     Rerun(Rerun),
-    /// Ask a job to stop
-    Cancel(JobArgs),
+    /// Ask a job to stop, or all jobs of a filter
+    #[command(after_help = CANCEL_EXAMPLES)]
+    Cancel(Many),
     /// Hold a job back until it is resumed; a run in progress is stopped
     Pause(JobArgs),
     /// Let a paused job run, from its start
     Resume(JobArgs),
-    /// Remove an ended job with its results
-    Delete(JobArgs),
+    /// Remove an ended job with its results, or all ended jobs of a filter
+    #[command(after_help = DELETE_EXAMPLES)]
+    Delete(Many),
     /// Read a result of an ended job
     Result(ResultArgs),
     /// Look after a server (role admin)

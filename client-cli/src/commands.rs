@@ -11,6 +11,7 @@ use crate::client::Client;
 use crate::error::Error;
 use crate::event_line::event_line;
 use crate::job_status::as_json;
+use crate::many::Act;
 use crate::outcome::ended;
 use crate::output_folder::{OutputFolder, drawn_timeline};
 use crate::progress::Progress;
@@ -18,8 +19,8 @@ use crate::report::report;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
 use crate::{
-    admin, analyse, calibrate, completions, explain, job_names, jobs, lint, load, machines, macros, man, results, run,
-    say, status,
+    admin, analyse, calibrate, completions, explain, job_names, jobs, lint, load, machines, macros, man, many, results,
+    run, say, status,
 };
 
 /// Executes a command and returns the exit code.
@@ -39,10 +40,10 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Jobs(arguments) => jobs::list(arguments).await,
         Command::Status(arguments) => status::status(arguments).await,
         Command::Rerun(arguments) => jobs::rerun(arguments).await,
-        Command::Cancel(arguments) => cancel(arguments).await,
+        Command::Cancel(arguments) => many::act(Act::Cancel, arguments).await,
         Command::Pause(arguments) => pause(arguments).await,
         Command::Resume(arguments) => resume(arguments).await,
-        Command::Delete(arguments) => delete(arguments).await,
+        Command::Delete(arguments) => many::act(Act::Delete, arguments).await,
         Command::Analyse(arguments) => analyse::analyse(arguments).await,
         Command::Result(arguments) => result(arguments).await,
         Command::Admin(command) => admin::dispatch(command).await,
@@ -124,42 +125,17 @@ async fn wait(Wait { job: Follow { of: arguments, strict }, json }: Wait) -> Res
     Ok(ended(&status, strict))
 }
 
-/// Reports that the job had ended before the command: the server accepts it, and nothing changes.
-async fn say_ended(client: &Client, job: &str) -> Result<(), Error> {
-    use v1::JobState::{Cancelled, Failed, Succeeded};
-    let request = v1::GetJobRequest { job_id: job.to_owned() };
-    let status = client.jobs().get_job(request).await?.into_inner().status.unwrap_or_default();
-    if matches!(status.state(), Succeeded | Failed | Cancelled) {
-        let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
-        say::status_line(format!("job {job} has already ended: {state}"));
-    }
-    Ok(())
-}
-
-async fn cancel(arguments: JobArgs) -> Result<u8, Error> {
-    let (client, job_id) = connected(&arguments).await?;
-    say_ended(&client, &job_id).await?;
-    client.jobs().cancel_job(v1::CancelJobRequest { job_id }).await?;
-    Ok(0)
-}
-
 async fn pause(arguments: JobArgs) -> Result<u8, Error> {
     let (client, job_id) = connected(&arguments).await?;
-    say_ended(&client, &job_id).await?;
+    jobs::say_ended(&client, &job_id).await?;
     client.jobs().pause_job(v1::PauseJobRequest { job_id }).await?;
     Ok(0)
 }
 
 async fn resume(arguments: JobArgs) -> Result<u8, Error> {
     let (client, job_id) = connected(&arguments).await?;
-    say_ended(&client, &job_id).await?;
+    jobs::say_ended(&client, &job_id).await?;
     client.jobs().resume_job(v1::ResumeJobRequest { job_id }).await?;
-    Ok(0)
-}
-
-async fn delete(arguments: JobArgs) -> Result<u8, Error> {
-    let (client, job_id) = connected(&arguments).await?;
-    client.jobs().delete_job(v1::DeleteJobRequest { job_id }).await?;
     Ok(0)
 }
 

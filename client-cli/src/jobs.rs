@@ -25,6 +25,7 @@ pub(crate) fn now_ms() -> i64 {
 fn state(state: &State) -> i32 {
     match state {
         State::Queued => v1::JobState::Queued,
+        State::Paused => v1::JobState::Paused,
         State::Running => v1::JobState::Running,
         State::Succeeded => v1::JobState::Succeeded,
         State::Failed => v1::JobState::Failed,
@@ -33,7 +34,8 @@ fn state(state: &State) -> i32 {
     .into()
 }
 
-fn filter(arguments: &JobFilter) -> v1::JobFilter {
+/// A filter on the wire.
+pub(crate) fn filter(arguments: &JobFilter) -> v1::JobFilter {
     v1::JobFilter {
         states: arguments.state.iter().map(state).collect(),
         machine: arguments.machine.clone().unwrap_or_default(),
@@ -66,6 +68,18 @@ pub(crate) fn request(arguments: &RequestArgs) -> v1::SubmitJobRequest {
         },
         ..Default::default()
     }
+}
+
+/// Reports that the job had ended before the command: the server accepts it, and nothing changes.
+pub(crate) async fn say_ended(client: &Client, job: &str) -> Result<(), Error> {
+    use v1::JobState::{Cancelled, Failed, Succeeded};
+    let request = v1::GetJobRequest { job_id: job.to_owned() };
+    let status = client.jobs().get_job(request).await?.into_inner().status.unwrap_or_default();
+    if matches!(status.state(), Succeeded | Failed | Cancelled) {
+        let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
+        say::status_line(format!("job {job} has already ended: {state}"));
+    }
+    Ok(())
 }
 
 /// Runs a job again.

@@ -36,6 +36,7 @@ mod machine_view;
 mod machines;
 mod macros;
 mod man;
+mod many;
 mod outcome;
 mod output_folder;
 mod own_machine;

@@ -769,6 +769,48 @@ fn a_watch_of_a_job_that_is_paused_resumed_and_cancelled_ends_with_the_job() {
     assert_eq!(status, 1, "{talk}");
 }
 
+/// Jobs of a filter are cancelled and deleted after a confirmation only, which scripts give with `--yes`.
+#[test]
+fn jobs_of_a_filter_are_cancelled_and_deleted_once_that_is_confirmed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_runtime, url) = server(folder.path());
+    let call = |arguments: &[&str]| {
+        let output = counterpoint(&[arguments, &["--server", &url]].concat());
+        let lines = String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect::<Vec<_>>();
+        (code(&output), lines, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let part = program(folder.path(), "part.nc", "O1\nN1 G4 P9\nGOTO 1\nM30\n");
+    let submit = |label: &str| call(&["submit", &part, "--machine", "fanuc-mill", "--label", label]).1.remove(0);
+    let [first, second, third] = ["shift=early", "shift=early", "shift=late"].map(submit);
+    assert_eq!(call(&["pause", &third]).0, 0);
+    let (_, paused, _) = call(&["jobs", "--state", "paused", "--json"]);
+    assert!(paused.len() == 1 && paused[0].contains(&third), "{paused:?}");
+
+    let early = ["--label", "shift=early"];
+    let both = [second, first];
+    let (status, lines, talk) = call(&[&["cancel", "--dry-run"], &early[..]].concat());
+    assert_eq!((status, &lines[..], talk.trim()), (0, &both[..], "2 jobs would be cancelled"));
+    let (status, lines, talk) = call(&[&["cancel"], &early[..]].concat());
+    assert_eq!((status, lines.len()), (2, 0), "{talk}");
+    assert!(talk.contains("this would cancel 2 jobs: add --yes"), "{talk}");
+    let (status, lines, talk) = call(&[&["cancel", "--yes"], &early[..]].concat());
+    assert_eq!((status, &lines[..], talk.trim()), (0, &both[..], "2 jobs cancelled"));
+    both.iter().for_each(|job| assert_eq!(call(&["wait", job]).0, 1));
+
+    for arguments in [&["delete"][..], &["cancel", "--yes"], &["delete", "--all", "--state", "failed"]] {
+        let (status, _, talk) = call(arguments);
+        assert_eq!(status, 2, "{arguments:?}: {talk}");
+    }
+    let (status, lines, talk) = call(&["delete", "--state", "paused", "--yes"]);
+    assert_eq!((status, lines.len()), (2, 0), "{talk}");
+    assert!(talk.contains("only ended jobs can be deleted"), "{talk}");
+    let (status, lines, talk) = call(&["delete", "--all", "--yes"]);
+    assert_eq!((status, &lines[..], talk.trim()), (0, &both[..], "2 jobs deleted"));
+    let (_, left, _) = call(&["jobs", "--json"]);
+    assert!(left.len() == 1 && left[0].contains(&third), "{left:?}");
+    assert_eq!(call(&["cancel", "--all", "--quiet", "--yes"]), (0, Vec::new(), "1 job cancelled\n".to_owned()));
+}
+
 /// A server in this process until the test ends, and its address.
 fn server(folder: &Path) -> (tokio::runtime::Runtime, String) {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();

@@ -32,8 +32,6 @@ pub struct Options {
     pub workers: usize,
     /// Jobs that may wait in the queue.
     pub queue: usize,
-    /// Runs begun before a job that takes the server down with it is given up.
-    pub attempts: u32,
     /// Seconds that running jobs get to end after a stop signal.
     pub grace_s: u64,
     /// Free bytes on the disk of the data folder below which no run starts and no job or upload is accepted.
@@ -90,7 +88,6 @@ impl Default for Options {
             data: PathBuf::from("counterpoint-data"),
             workers: 0,
             queue: 1000,
-            attempts: 3,
             grace_s: 30,
             min_free_bytes: 256 << 20,
             log_format: LogFormat::default(),
@@ -191,9 +188,6 @@ pub struct Flags {
     /// Jobs that may wait in the queue
     #[arg(long, env = "COUNTERPOINT_QUEUE", value_name = "N")]
     pub queue: Option<usize>,
-    /// Runs begun before a job that takes the server down with it is given up
-    #[arg(long, env = "COUNTERPOINT_ATTEMPTS", value_name = "N")]
-    pub attempts: Option<u32>,
     /// Seconds that running jobs get to end after a stop signal
     #[arg(long, env = "COUNTERPOINT_GRACE_S", value_name = "SECONDS")]
     pub grace_s: Option<u64>,
@@ -236,7 +230,6 @@ impl Flags {
         set(&mut options.data, self.data);
         set(&mut options.workers, self.workers);
         set(&mut options.queue, self.queue);
-        set(&mut options.attempts, self.attempts);
         set(&mut options.grace_s, self.grace_s);
         set(&mut options.min_free_bytes, self.min_free_bytes);
         set(&mut options.log_format, self.log_format);

@@ -151,10 +151,40 @@ pub(crate) struct Status {
     pub(crate) remote: Remote,
 }
 
+/// One job, or the jobs of a filter.
+#[derive(Debug, Args)]
+pub(crate) struct Many {
+    /// The job: its id, or the beginning of it
+    #[arg(
+        required_unless_present_any = ["state", "machine", "labels", "since", "all"],
+        conflicts_with_all = ["state", "machine", "labels", "since", "all", "dry_run", "yes"],
+    )]
+    pub(crate) job: Option<String>,
+    #[command(flatten)]
+    pub(crate) filter: JobFilter,
+    /// Choose all your jobs
+    #[arg(long, conflicts_with_all = ["state", "machine", "labels", "since"])]
+    pub(crate) all: bool,
+    /// Print the ids of the jobs that the filter chooses, and change nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Do not ask for a confirmation; without a terminal, jobs of a filter are changed only with it
+    #[arg(long, short)]
+    pub(crate) yes: bool,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+    /// Print no ids
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
 /// States to filter by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum State {
+    /// Waiting for a worker, or held back
     Queued,
+    /// Held back by `pause`
+    Paused,
     Running,
     Succeeded,
     Failed,

@@ -101,18 +101,20 @@ impl Audit {
         }
         let (peer, call) = (&*peer.to_string(), call.get(..call.floor_char_boundary(CALL)).unwrap_or_default());
         let identity = caller.map(|caller| &*caller.identity);
-        let line = Line {
-            time_ms: now_ms(),
-            peer,
-            identity: identity.map(|identity| identity.name.as_str()),
-            tenant: identity.map(|identity| identity.tenant.as_str()),
-            role: identity.map(|identity| identity.role),
-            call,
-            target: caller.map_or("", Caller::target),
-            code: format!("{code:?}"),
-            left_out,
-        };
-        self.write(&line);
+        let targets = caller.map(Caller::targets).filter(|targets| !targets.is_empty());
+        for target in targets.unwrap_or(&[String::new()]) {
+            self.write(&Line {
+                time_ms: now_ms(),
+                peer,
+                identity: identity.map(|identity| identity.name.as_str()),
+                tenant: identity.map(|identity| identity.tenant.as_str()),
+                role: identity.map(|identity| identity.role),
+                call,
+                target,
+                code: format!("{code:?}"),
+                left_out,
+            });
+        }
     }
 
     /// Notes the calls of strangers that have no line, a minute after their first; `all` at the end of the server.

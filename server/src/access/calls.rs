@@ -28,6 +28,8 @@ pub(crate) const CALLS: &[(&str, &str, Role)] = &[
     ("counterpoint.v1.Jobs", "WatchJobs", Role::Read),
     ("counterpoint.v1.Jobs", "PauseJob", Role::Submit),
     ("counterpoint.v1.Jobs", "ResumeJob", Role::Submit),
+    ("counterpoint.v1.Jobs", "CancelJobs", Role::Submit),
+    ("counterpoint.v1.Jobs", "DeleteJobs", Role::Submit),
     ("counterpoint.v1.Blobs", "FindMissing", Role::Submit),
     ("counterpoint.v1.Blobs", "Upload", Role::Submit),
     ("counterpoint.v1.Blobs", "Download", Role::Read),

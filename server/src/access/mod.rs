@@ -76,12 +76,12 @@ const TARGET: usize = 128;
 #[derive(Debug, Clone)]
 pub(crate) struct Caller {
     pub(crate) identity: Arc<Identity>,
-    target: Arc<OnceLock<String>>,
+    targets: Arc<OnceLock<Vec<String>>>,
 }
 
 impl Caller {
     fn new(identity: Arc<Identity>) -> Self {
-        Self { identity, target: Arc::default() }
+        Self { identity, targets: Arc::default() }
     }
 
     /// The caller of a request that has passed [`Access::admit`].
@@ -96,12 +96,17 @@ impl Caller {
 
     /// Records the subject of the call.
     pub(crate) fn about(&self, target: &str) {
-        let _ = self.target.set(target.chars().take(TARGET).collect());
+        let _ = self.targets.set(vec![target.chars().take(TARGET).collect()]);
     }
 
-    /// The target of the call; empty if unknown.
-    pub(crate) fn target(&self) -> &str {
-        self.target.get().map_or("", String::as_str)
+    /// Records the jobs of a call for many.
+    pub(crate) fn about_jobs(&self, ids: &[String]) {
+        let _ = self.targets.set(ids.to_vec());
+    }
+
+    /// The targets of the call; empty if unknown.
+    pub(crate) fn targets(&self) -> &[String] {
+        self.targets.get().map_or(&[], Vec::as_slice)
     }
 }
 

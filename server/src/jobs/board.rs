@@ -387,6 +387,12 @@ impl Core {
         lock(&self.board.queue).jobs.busy()
     }
 
+    /// Jobs of a tenant that are held back.
+    pub(crate) fn held_back(&self, tenant: &str) -> BTreeSet<String> {
+        let held = |live: &Live| live.peek(|record| record.tenant == tenant && record.paused);
+        self.board.live.iter().filter(|live| held(live)).map(|live| live.id.clone()).collect()
+    }
+
     /// Whether jobs of other tenants wait for a worker or run.
     pub(crate) fn others_work(&self, tenant: &str) -> bool {
         lock(&self.board.queue).jobs.others_work(tenant)

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use counterpoint_proto::v1;
 use uuid::Uuid;
 
+use super::Core;
 use super::feed::Removed;
 use crate::ledger::prefix::IdPrefix;
 use crate::ledger::record::{Record, State};
@@ -16,8 +17,7 @@ use crate::reason::Refusal;
 /// Conditions on jobs.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Filter {
-    /// Empty = all.
-    pub(crate) states: BTreeSet<State>,
+    pub(crate) states: States,
     machine: Option<String>,
     labels: BTreeMap<String, String>,
     from_ms: i64,
@@ -25,21 +25,72 @@ pub(crate) struct Filter {
     prefix: IdPrefix,
 }
 
-/// A state from the wire.
-fn state(field: String, number: i32) -> Result<State, Refusal> {
-    match v1::JobState::try_from(number) {
-        Ok(v1::JobState::Queued) => Ok(State::Queued),
-        Ok(v1::JobState::Running) => Ok(State::Running),
-        Ok(v1::JobState::Succeeded) => Ok(State::Succeeded),
-        Ok(v1::JobState::Failed) => Ok(State::Failed),
-        Ok(v1::JobState::Cancelled) => Ok(State::Cancelled),
-        Ok(v1::JobState::Unspecified) | Err(_) => Err(Refusal::field(field, "is not a state of a job")),
-    }
+/// States of jobs that have not ended, and of jobs that have.
+pub(crate) const OPEN: [State; 2] = [State::Queued, State::Running];
+pub(crate) const ENDED: [State; 3] = [State::Succeeded, State::Failed, State::Cancelled];
+
+/// Jobs in one of the states, and perhaps those that are held back; neither = all.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct States {
+    of: BTreeSet<State>,
+    paused: bool,
 }
 
-/// States from the wire.
-pub(crate) fn states(field: &str, numbers: &[i32]) -> Result<BTreeSet<State>, Refusal> {
-    numbers.iter().enumerate().map(|(at, number)| state(format!("{field}[{at}]"), *number)).collect()
+impl States {
+    /// States from the wire.
+    pub(crate) fn read(field: &str, numbers: &[i32]) -> Result<Self, Refusal> {
+        let mut states = Self::default();
+        for (at, number) in numbers.iter().enumerate() {
+            let state = match v1::JobState::try_from(*number) {
+                Ok(v1::JobState::Queued) => State::Queued,
+                Ok(v1::JobState::Running) => State::Running,
+                Ok(v1::JobState::Succeeded) => State::Succeeded,
+                Ok(v1::JobState::Failed) => State::Failed,
+                Ok(v1::JobState::Cancelled) => State::Cancelled,
+                Ok(v1::JobState::Paused) => {
+                    states.paused = true;
+                    continue;
+                }
+                Ok(v1::JobState::Unspecified) | Err(_) => {
+                    return Err(Refusal::field(format!("{field}[{at}]"), "is not a state of a job"));
+                }
+            };
+            states.of.insert(state);
+        }
+        Ok(states)
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.of.is_empty() && !self.paused
+    }
+
+    /// The part of a choice that is among these states; none if no job can be there.
+    pub(crate) fn among(&self, states: &[State]) -> Option<Self> {
+        if self.is_empty() {
+            return Some(Self { of: states.iter().copied().collect(), paused: false });
+        }
+        let of = self.of.iter().copied().filter(|state| states.contains(state)).collect();
+        // Only a job that has not ended is held back.
+        Some(Self { of, paused: self.paused && states.contains(&State::Queued) }).filter(|part| !part.is_empty())
+    }
+
+    /// Jobs that two choices have in common; none if no job can be in both.
+    pub(crate) fn both(self, other: Self) -> Result<Option<Self>, Refusal> {
+        if self.is_empty() || other.is_empty() {
+            return Ok(Some(if self.is_empty() { other } else { self }));
+        }
+        if self.paused || other.paused {
+            return Err(Refusal::field(
+                "states",
+                "must be empty if filter.states is used and one has JOB_STATE_PAUSED",
+            ));
+        }
+        Ok(self.among(&other.of.into_iter().collect::<Vec<_>>()))
+    }
+
+    fn take(&self, record: &Record) -> bool {
+        self.is_empty() || self.of.contains(&record.state) || self.paused && record.paused
+    }
 }
 
 impl Filter {
@@ -51,7 +102,7 @@ impl Filter {
             }
         }
         Ok(Self {
-            states: states("filter.states", &filter.states)?,
+            states: States::read("filter.states", &filter.states)?,
             machine: Some(filter.machine).filter(|machine| !machine.is_empty()),
             labels: filter.labels,
             from_ms: filter.from_ms,
@@ -61,12 +112,18 @@ impl Filter {
         })
     }
 
+    /// Whether it has no condition.
+    pub(crate) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// The question to the ledger for the first page.
-    pub(crate) fn query(&self, tenant: &str, running: BTreeSet<String>, count: usize) -> Query {
+    pub(crate) fn query(&self, tenant: &str, core: &Core, count: usize) -> Query {
         Query {
             tenant: tenant.to_owned(),
-            states: self.states.clone(),
-            running,
+            states: self.states.of.clone(),
+            running: core.busy(),
+            paused: self.states.paused.then(|| core.held_back(tenant)),
             machine: self.machine.clone(),
             labels: self.labels.clone(),
             from_ms: self.from_ms,
@@ -86,7 +143,7 @@ impl Filter {
     /// Whether a job is wanted.
     pub(crate) fn takes(&self, record: &Record) -> bool {
         let accepted_ms = Uuid::try_parse(&record.id).map_or(record.submitted_ms, time_of);
-        (self.states.is_empty() || self.states.contains(&record.state))
+        self.states.take(record)
             && self.found_by(&record.machine.full_name(), &record.asked.labels)
             && self.prefix.begins(&record.id)
             && accepted_ms >= self.from_ms

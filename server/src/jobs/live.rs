@@ -147,8 +147,8 @@ impl Live {
     }
 
     /// Looks at the record without a copy.
-    pub(super) fn peek(&self, look: impl FnOnce(&Record)) {
-        look(&lock(&self.record));
+    pub(super) fn peek<T>(&self, look: impl FnOnce(&Record) -> T) -> T {
+        look(&lock(&self.record))
     }
 
     pub(crate) fn run(&self) -> Option<Arc<Run>> {

@@ -149,7 +149,7 @@ impl Core {
         }
         for record in unfinished {
             let before = record.state;
-            let record = recovered(record, alone, self.options.attempts, &self.board.clock);
+            let record = recovered(record, alone, self.options.maxima.attempts, &self.board.clock);
             if before == State::Running {
                 tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
             }

@@ -92,10 +92,12 @@ pub(crate) struct Ended {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Query {
     pub(crate) tenant: String,
-    /// In one of these states; empty = in any.
+    /// In one of these states; empty = in any, unless jobs that are held back are wanted.
     pub(crate) states: BTreeSet<State>,
     /// Jobs that run: the ledger knows them as waiting.
     pub(crate) running: BTreeSet<String>,
+    /// Jobs that are held back, if those are wanted beside the ones in the states.
+    pub(crate) paused: Option<BTreeSet<String>>,
     /// Submitted for this machine, perhaps with its revision.
     pub(crate) machine: Option<String>,
     pub(crate) labels: BTreeMap<String, String>,

@@ -71,6 +71,8 @@ group! {
         /// Most memory of jobs that have not ended, submits in progress and answers not yet sent, bytes; 0 = without
         /// limit
         memory_bytes: u64 = 512 << 20, "COUNTERPOINT_MEMORY_BYTES", "BYTES";
+        /// Runs begun before a job that takes the server down with it is given up
+        attempts: u32 = 3, "COUNTERPOINT_ATTEMPTS", "N";
         /// Most steps of macros of a channel
         max_macro_steps: u64 = MOST.macro_steps, "COUNTERPOINT_MAX_MACRO_STEPS", "N";
         /// Most bytes of all files of a machine

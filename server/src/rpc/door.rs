@@ -237,6 +237,20 @@ impl Bounded for v1::WatchJobsRequest {
     }
 }
 
+impl Bounded for v1::CancelJobsRequest {
+    fn bounded(&self) -> Result<(), Refusal> {
+        line("page_token", &self.page_token, 64)?;
+        filter(self.filter.as_ref())
+    }
+}
+
+impl Bounded for v1::DeleteJobsRequest {
+    fn bounded(&self) -> Result<(), Refusal> {
+        line("page_token", &self.page_token, 64)?;
+        filter(self.filter.as_ref())
+    }
+}
+
 impl Bounded for v1::RerunJobRequest {
     fn bounded(&self) -> Result<(), Refusal> {
         request_id("request_id", &self.request_id)?;

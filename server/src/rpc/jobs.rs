@@ -13,9 +13,10 @@ use tonic::{Request, Response, Status};
 use tracing::Instrument as _;
 
 use super::door::enter;
+use super::many::{self, Act, Choice};
 use super::{Jobs, blocking, job, submit, watch, watch_jobs};
 use crate::jobs::describe::{description, options, status};
-use crate::jobs::filter::{self, Filter};
+use crate::jobs::filter::{Filter, States};
 use crate::ledger::{PAGE_BYTES, Query};
 use crate::log::reader::Reader;
 use crate::memory::Taken;
@@ -32,6 +33,14 @@ fn counted<T>(answer: T, taken: Taken) -> Response<T> {
     let mut response = Response::new(answer);
     response.extensions_mut().insert(Arc::new(taken));
     response
+}
+
+/// Refuses a text that is not the token of a page of jobs.
+pub(super) fn page_token(text: &str) -> Result<(), Refusal> {
+    match text.is_empty() || uuid::Uuid::try_parse(text).is_ok() {
+        true => Ok(()),
+        false => Err(Refusal::field("page_token", "is not a next_page_token of this call")),
+    }
 }
 
 /// A stream without compression, as almost every client says that it accepts gzip: to compress the events of a job
@@ -95,19 +104,12 @@ impl Service for Jobs {
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
         let (caller, request) = enter(request)?;
         let tenant = caller.tenant().to_owned();
-        if !request.page_token.is_empty() && uuid::Uuid::try_parse(&request.page_token).is_err() {
-            return Err(Refusal::field("page_token", "is not a next_page_token of this call").into());
-        }
+        page_token(&request.page_token)?;
         let size = if request.page_size == 0 { 50 } else { request.page_size.min(500) as usize };
         let mut filter = Filter::read(request.filter.unwrap_or_default())?;
-        let states = filter::states("states", &request.states)?;
-        if filter.states.is_empty() {
-            filter.states = states;
-        } else if !states.is_empty() {
-            filter.states.retain(|state| states.contains(state));
-            if filter.states.is_empty() {
-                return Ok(Response::new(v1::ListJobsResponse::default()));
-            }
+        match filter.states.both(States::read("states", &request.states)?)? {
+            Some(states) => filter.states = states,
+            None => return Ok(Response::new(v1::ListJobsResponse::default())),
         }
         let core = self.0.clone();
         let answer = blocking(move || {
@@ -117,7 +119,7 @@ impl Service for Jobs {
                 after: request.page_token,
                 // With a small budget pages are small, so that two of them fit.
                 most_bytes: PAGE_BYTES.min(core.memory().of_answers() / (2 * ANSWER_COPIES)),
-                ..filter.query(&tenant, core.busy(), size)
+                ..filter.query(&tenant, &core, size)
             };
             let page = core.ledger.jobs(&query)?;
             let taken = core.memory().take_for_answer(ANSWER_COPIES * page.bytes)?;
@@ -194,6 +196,28 @@ impl Service for Jobs {
         job(&self.0, &caller, &id)?;
         self.0.delete(&id).await?;
         Ok(Response::new(v1::DeleteJobResponse {}))
+    }
+
+    async fn cancel_jobs(
+        &self,
+        request: Request<v1::CancelJobsRequest>,
+    ) -> Result<Response<v1::CancelJobsResponse>, Status> {
+        let (caller, request) = enter(request)?;
+        let v1::CancelJobsRequest { filter, all, dry_run, page_size, page_token } = request;
+        let choice = Choice { filter, all, dry_run, page_size, page_token };
+        let (job_ids, next_page_token) = many::each(&self.0, &caller, choice, Act::Cancel).await?;
+        Ok(Response::new(v1::CancelJobsResponse { job_ids, next_page_token }))
+    }
+
+    async fn delete_jobs(
+        &self,
+        request: Request<v1::DeleteJobsRequest>,
+    ) -> Result<Response<v1::DeleteJobsResponse>, Status> {
+        let (caller, request) = enter(request)?;
+        let v1::DeleteJobsRequest { filter, all, dry_run, page_size, page_token } = request;
+        let choice = Choice { filter, all, dry_run, page_size, page_token };
+        let (job_ids, next_page_token) = many::each(&self.0, &caller, choice, Act::Delete).await?;
+        Ok(Response::new(v1::DeleteJobsResponse { job_ids, next_page_token }))
     }
 
     async fn rerun_job(&self, request: Request<v1::RerunJobRequest>) -> Result<Response<v1::RerunJobResponse>, Status> {

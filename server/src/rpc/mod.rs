@@ -8,6 +8,7 @@ mod debug;
 mod door;
 mod jobs;
 mod machines;
+mod many;
 mod operator;
 mod results;
 mod submit;

@@ -19,8 +19,7 @@ use super::watch::{Over, SMALLEST, heartbeat};
 use crate::jobs::Core;
 use crate::jobs::describe::status;
 use crate::jobs::feed::Change;
-use crate::jobs::filter::Filter;
-use crate::ledger::record::State;
+use crate::jobs::filter::{Filter, OPEN};
 use crate::ledger::{PAGE_BYTES, Query};
 use crate::reason::Refusal;
 
@@ -112,16 +111,13 @@ impl WatchJobs {
     /// Sends the jobs that have not ended.
     async fn open_jobs(&self, out: &Out) -> Result<(), Over> {
         let mut open = self.filter.clone();
-        open.states = [State::Queued, State::Running].into();
-        if !self.filter.states.is_empty() {
-            open.states.retain(|state| self.filter.states.contains(state));
-            if open.states.is_empty() {
-                return Ok(());
-            }
+        match self.filter.states.among(&OPEN) {
+            Some(states) => open.states = states,
+            None => return Ok(()),
         }
         let mut after = String::new();
         loop {
-            let (core, query) = (self.core.clone(), open.query(&self.tenant, self.core.busy(), GROUP));
+            let (core, query) = (self.core.clone(), open.query(&self.tenant, &self.core, GROUP));
             let query = Query { after, ..query };
             let filter = self.filter.clone();
             let (jobs, next) = blocking(move || {

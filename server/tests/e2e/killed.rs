@@ -13,7 +13,7 @@ use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_server::local::disk::Disk;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::{Maxima, Options};
 use counterpoint_server::service;
 use tonic::transport::{Channel, Endpoint};
 
@@ -28,14 +28,18 @@ const SCRIPTS: [&str; 4] = ["EVENTS 20", "EVENTS 3000", "EVENTS 12\nWRITE a.txt"
 /// Requests in progress at the same time.
 const CALLERS: usize = 4;
 
+/// A job that is running alone at several kills is not given up.
+fn patient() -> Maxima {
+    Maxima { attempts: u32::MAX, ..Maxima::default() }
+}
+
 /// The server that is killed; without its folder in the environment this does nothing.
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "the server of the other tests here"]
 async fn serve() {
     let (Ok(folder), Ok(faults)) = (std::env::var(FOLDER), std::env::var(FAULTS)) else { return };
     let disk = Arc::new(BadDisk::new(std::process::id().into(), false));
-    // A job that is running alone at three kills is not to be given up here.
-    let options = Options { queue: 100_000, attempts: u32::MAX, ..options(Path::new(&folder)) };
+    let options = Options { queue: 100_000, maxima: patient(), ..options(Path::new(&folder)) };
     let service = service::build_on(options, Script::default(), Disk::faulty(disk.clone())).await.unwrap();
     disk.fail(faults.parse().unwrap());
     println!("\nlistening on {}", service.handle().url());
@@ -140,7 +144,7 @@ async fn kill(kills: u64, permille: u64) {
         }
     }
     let (killed, accepted) = (begin.elapsed(), accepted.lock().unwrap().clone());
-    let server = Server::start(Options { queue: 100_000, attempts: u32::MAX, ..options(folder.path()) }).await;
+    let server = Server::start(Options { queue: 100_000, maxima: patient(), ..options(folder.path()) }).await;
     let mut expected = Vec::new();
     for (number, script) in SCRIPTS.iter().enumerate() {
         let job = server.submit(&format!("again-{number}"), script).await;

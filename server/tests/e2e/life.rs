@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::{Maxima, Options};
 use tonic::Code;
 
 use crate::support::*;
@@ -138,7 +138,7 @@ async fn a_job_that_takes_the_server_down_is_given_up() {
     let data = after.path().join("data");
     copy(folder.path(), &data);
     server.stop().await;
-    let server = Server::start(Options { attempts: 1, ..options(&data) }).await;
+    let server = Server::start(Options { maxima: Maxima { attempts: 1, ..Maxima::default() }, ..options(&data) }).await;
     let status = server.wait(&job).await;
     assert_eq!(status.state(), v1::JobState::Failed);
     assert!(status.error.starts_with("poison"), "{}", status.error);

@@ -43,6 +43,7 @@ mod killed;
 mod life;
 mod limited;
 mod limits;
+mod many;
 #[cfg(target_os = "linux")]
 mod memory;
 mod metrics;

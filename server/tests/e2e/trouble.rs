@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_server::local::disk::{Disk, Faults, Step};
-use counterpoint_server::options::Options;
+use counterpoint_server::options::{Maxima, Options};
 use tonic::Code;
 use tonic_health::pb::health_client::HealthClient;
 use tonic_types::StatusExt;
@@ -265,7 +265,8 @@ async fn after_an_unclean_stop_suspects_run_one_at_a_time_and_innocents_are_not_
     let data = second.path().join("one");
     copy(first.path(), &data);
     server.stop().await;
-    let strict = |data: &Path| Options { workers: 3, attempts: 1, ..options(data) };
+    let strict =
+        |data: &Path| Options { workers: 3, maxima: Maxima { attempts: 1, ..Maxima::default() }, ..options(data) };
     let server = Server::start(strict(&data)).await;
     server.until_events(&jobs[0], 2000).await;
     assert_eq!(in_state(&server, v1::JobState::Running).await, jobs[..1]);

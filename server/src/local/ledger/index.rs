@@ -227,14 +227,14 @@ fn at(ms: i64) -> String {
 /// Conditions of a query.
 fn conditions(query: &Query) -> Vec<Condition<'_>> {
     let tenant = &query.tenant;
-    let all = query.states.is_empty();
+    let all = query.states.is_empty() && query.paused.is_none();
     let wanted = |state: &State| query.states.contains(state);
     let states = STATES.iter().filter(|state| all || wanted(state)).map(|state| {
         let running = (*state == State::Queued && !all && !wanted(&State::Running)).then_some(&query.running);
         Source::Term(state_term(tenant, *state), running)
     });
     let running = (wanted(&State::Running) && !wanted(&State::Queued)).then_some(Source::Ids(&query.running));
-    let mut conditions = vec![Condition::new(states.chain(running))];
+    let mut conditions = vec![Condition::new(states.chain(running).chain(query.paused.as_ref().map(Source::Ids)))];
     let term = |term: String| Condition::new([Source::Term(term, None)]);
     conditions.extend(query.machine.iter().map(|machine| term(machine_term(tenant, machine))));
     conditions.extend(query.labels.iter().map(|(key, value)| term(label_term(tenant, key, value))));

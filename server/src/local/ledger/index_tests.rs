@@ -52,7 +52,9 @@ impl Jobs {
             let state = if query.running.contains(&job.id) { State::Running } else { job.state };
             let machine = query.machine.as_ref();
             job.tenant == query.tenant
-                && (query.states.is_empty() || query.states.contains(&state))
+                && (query.states.is_empty() && query.paused.is_none()
+                    || query.states.contains(&state)
+                    || query.paused.as_ref().is_some_and(|paused| paused.contains(&job.id)))
                 && machine.is_none_or(|name| *name == job.machine.name || *name == job.machine.full_name())
                 && query.labels.iter().all(|(key, value)| job.asked.labels.get(key) == Some(value))
                 && job.submitted_ms >= query.from_ms
@@ -107,6 +109,9 @@ fn pages_hold_what_a_look_at_every_job_finds() {
             tenant: ["default", "other", "third"][random(r) % 3].to_owned(),
             states: all.into_iter().filter(|_| random(r).is_multiple_of(3)).collect(),
             running: open.iter().filter(|_| random(r).is_multiple_of(10)).cloned().collect(),
+            paused: random(r)
+                .is_multiple_of(4)
+                .then(|| open.iter().filter(|_| random(r).is_multiple_of(5)).cloned().collect()),
             machine: [None, None, Some("mill"), Some("lathe"), Some("saw"), Some(pinned.as_str())][random(r) % 6]
                 .map(str::to_owned),
             labels: [("part", "1"), ("shift", "2")]

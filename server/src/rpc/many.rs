@@ -1,0 +1,131 @@
+//! `CancelJobs` and `DeleteJobs`: what the call for one job does, done for the jobs of a filter, page by page.
+//!
+//! Invariants: a call reaches jobs of its tenant only, a bounded number of them, and none that was accepted after the
+//! first page; it can be repeated after a failure. It goes on to its end if its client leaves.
+
+use std::sync::Arc;
+
+use counterpoint_proto::v1;
+use tokio::task::JoinSet;
+use tracing::Instrument as _;
+
+use super::blocking;
+use super::jobs::page_token;
+use crate::access::Caller;
+use crate::jobs::Core;
+use crate::jobs::filter::{ENDED, Filter, OPEN};
+use crate::ledger::{PAGE_BYTES, Query};
+use crate::reason::Refusal;
+
+/// Most jobs of a call.
+const MOST: usize = 500;
+/// Jobs at the same time: they share commits of the ledger.
+const TOGETHER: usize = 32;
+
+/// Which jobs, in the fields of the request.
+pub(super) struct Choice {
+    pub(super) filter: Option<v1::JobFilter>,
+    pub(super) all: bool,
+    pub(super) dry_run: bool,
+    pub(super) page_size: u32,
+    pub(super) page_token: String,
+}
+
+/// What is done to each job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Act {
+    Cancel,
+    Delete,
+}
+
+impl Act {
+    /// Does it; whether it was done, as a job may have ended or may have been deleted since it was found.
+    async fn on(self, core: &Arc<Core>, id: &str) -> Result<bool, Refusal> {
+        let done = match self {
+            Self::Cancel => core.cancel(id).await.map(|record| record.cancel),
+            Self::Delete => core.delete(id).await.map(|()| true),
+        };
+        match done {
+            Err(Refusal::UnknownJob(_) | Refusal::JobNotEnded(_)) => Ok(false),
+            done => done,
+        }
+    }
+}
+
+/// The filter of a choice, with the states in which the act is possible.
+fn filter(choice: &Choice, act: Act) -> Result<Filter, Refusal> {
+    page_token(&choice.page_token)?;
+    let mut filter = Filter::read(choice.filter.clone().unwrap_or_default())?;
+    match (filter.is_empty(), choice.all) {
+        (true, false) => return Err(Refusal::field("filter", "has no condition: give one, or set all")),
+        (false, true) => return Err(Refusal::field("all", "must not be set with a condition in the filter")),
+        _ => {}
+    }
+    let (states, wanted) = match act {
+        Act::Cancel => (&OPEN[..], "QUEUED, RUNNING or PAUSED, as only such jobs can be cancelled"),
+        Act::Delete => (&ENDED[..], "SUCCEEDED, FAILED or CANCELLED, as only ended jobs can be deleted"),
+    };
+    let among = filter.states.among(states);
+    filter.states = among.ok_or_else(|| Refusal::field("filter.states", format!("must have {wanted}")))?;
+    Ok(filter)
+}
+
+/// Acts on a page of jobs; their identities, and the token of the next page.
+pub(super) async fn each(
+    core: &Arc<Core>,
+    caller: &Caller,
+    choice: Choice,
+    act: Act,
+) -> Result<(Vec<String>, String), Refusal> {
+    let filter = filter(&choice, act)?;
+    let size = if choice.page_size == 0 { MOST } else { (choice.page_size as usize).min(MOST) };
+    let (core, tenant) = (core.clone(), caller.tenant().to_owned());
+    let (find, of) = (core.clone(), filter.clone());
+    let (ids, next) = blocking(move || {
+        let query = Query {
+            newest_first: true,
+            after: choice.page_token,
+            most_bytes: PAGE_BYTES.min(find.memory().of_answers()),
+            ..of.query(&tenant, &find, size)
+        };
+        let page = find.ledger.jobs(&query)?;
+        let records = page.jobs.into_iter().map(|record| find.current(record));
+        let due = records.filter(|record| of.takes(record) && (act == Act::Delete || !record.cancel));
+        Ok((due.map(|record| record.id).collect::<Vec<_>>(), page.next.unwrap_or_default()))
+    })
+    .await?;
+    if choice.dry_run {
+        return Ok((ids, next));
+    }
+    let span = tracing::info_span!("many jobs", act = ?act);
+    // Ends with the last job of the page, also if the client has gone.
+    let all = tokio::spawn(async move { act_on(&core, ids, act).await }.instrument(span));
+    let (done, failed) = all.await.map_err(|error| Refusal::Storage(error.to_string()))?;
+    caller.about_jobs(&done);
+    failed.map_or(Ok((done, next)), Err)
+}
+
+/// Acts on jobs; those for which it was done, in their order, and the first failure.
+async fn act_on(core: &Arc<Core>, ids: Vec<String>, act: Act) -> (Vec<String>, Option<Refusal>) {
+    let (mut done, mut failed) = (Vec::new(), None);
+    for group in ids.chunks(TOGETHER) {
+        let mut tasks = JoinSet::new();
+        for (at, id) in group.iter().cloned().enumerate() {
+            let core = core.clone();
+            tasks.spawn(async move { (at, act.on(&core, &id).await) });
+        }
+        let mut outcomes = tasks.join_all().await;
+        outcomes.sort_by_key(|(at, _)| *at);
+        for (id, (_, outcome)) in group.iter().zip(outcomes) {
+            match outcome {
+                Ok(true) => done.push(id.clone()),
+                Ok(false) => {}
+                Err(refusal) => failed = failed.or(Some(refusal)),
+            }
+        }
+        if failed.is_some() {
+            break;
+        }
+    }
+    (done, failed)
+}
