@@ -8,6 +8,7 @@
 pub mod access;
 pub mod backup;
 mod blobs;
+mod certificates;
 mod clock;
 mod connections;
 mod cpu;
@@ -39,5 +40,6 @@ mod spans;
 pub mod start_threads;
 mod tenant;
 mod trace;
+mod webhooks;
 
 pub use ledger::record::Record;

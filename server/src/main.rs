@@ -241,7 +241,7 @@ async fn tell(manager: Option<&Manager>, handle: &service::Handle) {
 fn tenants_again(handle: &service::Handle, config: &Path) {
     match Options::from_file(config) {
         Ok(options) => {
-            handle.set_tenants(options.tenants);
+            handle.set_tenants(options.tables.tenants);
             tracing::info!("tables of tenants read again");
         }
         Err(error) => tracing::error!(%error, "tables of tenants cannot be read again, the old ones stay"),

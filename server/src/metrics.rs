@@ -61,6 +61,12 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
         "gauge",
         "Seconds that the clock has jumped ahead, until that is confirmed; otherwise 0",
     ),
+    (
+        "counterpoint_webhooks_total",
+        "counter",
+        "Webhooks by `target` and `outcome`: delivered, refused, given_up, dropped",
+    ),
+    ("counterpoint_webhooks_waiting", "gauge", "Webhooks that wait for their target, by `target`"),
     ("counterpoint_connections", "gauge", "Open connections"),
     ("counterpoint_build_info", "gauge", "1, with the version of the server, by `version`"),
     ("process_resident_memory_bytes", "gauge", "Memory of the process"),
@@ -70,6 +76,7 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
 type One = [(&'static str, &'static str); 1];
 type Two = [(&'static str, &'static str); 2];
 type ByTenant = [(&'static str, String); 1];
+type ByTarget = [(&'static str, String); 1];
 type ByClass = [(&'static str, String); 2];
 
 /// Waiting jobs of one tenant and priority: their number, and the age of the oldest in seconds.
@@ -161,6 +168,26 @@ pub(crate) struct Storage {
     pub(crate) writable: Gauge,
 }
 
+/// Outcome of a webhook.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WebhookOutcome {
+    /// The target took it.
+    Delivered,
+    /// The target does not want it.
+    Refused,
+    /// The target did not take it in time.
+    GivenUp,
+    /// Too many waited for the target.
+    Dropped,
+}
+
+/// Webhooks of the targets.
+#[derive(Debug, Default)]
+struct Webhooks {
+    total: Family<ByClass, Counter>,
+    waiting: Family<ByTarget, Gauge>,
+}
+
 /// All of it.
 #[derive(Debug)]
 pub(crate) struct Metrics {
@@ -172,6 +199,7 @@ pub(crate) struct Metrics {
     pub(crate) watchers: Gauge,
     pub(crate) lag: Gauge,
     pub(crate) storage: Storage,
+    webhooks: Webhooks,
     pub(crate) process: Process,
 }
 
@@ -231,11 +259,14 @@ impl Metrics {
         register(all, "counterpoint_ledger_writable", storage.writable.clone());
         let process = Process::new();
         register(all, "counterpoint_clock_ahead_seconds", process.clock_ahead_s.clone());
+        let webhooks = Webhooks::default();
+        register(all, "counterpoint_webhooks_total", webhooks.total.clone());
+        register(all, "counterpoint_webhooks_waiting", webhooks.waiting.clone());
         register(all, "counterpoint_connections", process.connections.clone());
         register(all, "counterpoint_build_info", process.build.clone());
         register(all, "process_resident_memory_bytes", process.resident_bytes.clone());
         register(all, "process_open_fds", process.open_descriptors.clone());
-        Self { registry, calls, rates, jobs, tenants, watchers, lag, storage, process }
+        Self { registry, calls, rates, jobs, tenants, watchers, lag, storage, webhooks, process }
     }
 
     /// Counts an answered call; `call` is one of few names.
@@ -252,6 +283,22 @@ impl Metrics {
     /// Counts a limit that has stopped a job.
     pub(crate) fn limit(&self, limit: &'static str) {
         self.jobs.limits.get_or_create(&[("limit", limit)]).inc();
+    }
+
+    /// Counts the outcome of a webhook.
+    pub(crate) fn webhook(&self, target: &str, outcome: WebhookOutcome) {
+        let outcome = match outcome {
+            WebhookOutcome::Delivered => "delivered",
+            WebhookOutcome::Refused => "refused",
+            WebhookOutcome::GivenUp => "given_up",
+            WebhookOutcome::Dropped => "dropped",
+        };
+        self.webhooks.total.get_or_create(&[("target", target.to_owned()), ("outcome", outcome.to_owned())]).inc();
+    }
+
+    /// Counts webhooks that begin (1) or cease (-1) to wait for their target.
+    pub(crate) fn webhooks_waiting(&self, target: &str, change: i64) {
+        self.webhooks.waiting.get_or_create(&[("target", target.to_owned())]).inc_by(change);
     }
 
     /// Measures a commit of the ledger.
@@ -319,6 +366,8 @@ mod tests {
         metrics.call("GetJob", "Ok", Duration::from_millis(3));
         metrics.ended("SUCCEEDED");
         metrics.limit("wall_ms");
+        metrics.webhook("mes", WebhookOutcome::Refused);
+        metrics.webhooks_waiting("mes", 1);
         let waiting = Waiting { tenant: "a".to_owned(), priority: "low", jobs: 3, age_s: 7 };
         metrics.queue([waiting].into_iter(), [("b".to_owned(), 2)].into_iter());
         let used = Used { running: 1, bytes: 40, file_bytes: 50, machine_bytes: 60, cpu_s: 2 };

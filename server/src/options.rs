@@ -1,7 +1,7 @@
 //! Settings of the server: flags over environment over configuration file over defaults.
 //!
 //! Invariant: every option exists in all three forms under one name (`queue` = `--queue` = `COUNTERPOINT_QUEUE`),
-//! except for the tables of single tenants, which only a file has; and [`Options::to_toml`] prints a file that gives
+//! except for the tables of single tenants and of webhooks, which only a file has; and [`Options::to_toml`] prints a file that gives
 //! the same options again.
 
 use std::collections::BTreeMap;
@@ -15,10 +15,12 @@ use crate::logging::LogFormat;
 
 mod groups;
 mod tenants;
+mod webhooks;
 
 pub use groups::{Connections, ConnectionsFlags, Guard, GuardFlags, Maxima, MaximaFlags};
 pub use groups::{Quotas, QuotasFlags, Retention, RetentionFlags, System, SystemFlags};
 pub use tenants::Tenant;
+pub use webhooks::Webhook;
 
 /// Options of a server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,11 +58,22 @@ pub struct Options {
     /// How long things are kept.
     #[serde(flatten)]
     pub retention: Retention,
-    /// Different quotas and retention of single tenants.
-    pub tenants: BTreeMap<String, Tenant>,
+    /// The tables that only a file has.
+    #[serde(flatten)]
+    pub tables: Tables,
     /// How it lives inside of a command.
     #[serde(skip)]
     pub embedded: Embedded,
+}
+
+/// Tables by name; no flag sets these.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Tables {
+    /// Different quotas and retention of single tenants.
+    pub tenants: BTreeMap<String, Tenant>,
+    /// Targets that are informed of the ends of jobs.
+    pub webhooks: BTreeMap<String, Webhook>,
 }
 
 /// How a server lives inside of a command; no file and no flag sets this.
@@ -97,7 +110,7 @@ impl Default for Options {
             quotas: Quotas::default(),
             connections: Connections::default(),
             retention: Retention::default(),
-            tenants: BTreeMap::new(),
+            tables: Tables::default(),
             embedded: Embedded::default(),
         }
     }
@@ -265,7 +278,7 @@ mod tests {
     fn a_tenant_of_its_own_has_what_its_table_says_and_the_rest_as_all() {
         let text = "tenant_queued = 5\ntenant_cpu_s = 60\n[tenants.cell]\nqueued = 9\ncpu_s = 0\nkeep_jobs = 3\n";
         let options = Options::parse(text).unwrap();
-        let (cell, other) = (options.tenants["cell"].quotas(&options.quotas), &options.quotas);
+        let (cell, other) = (options.tables.tenants["cell"].quotas(&options.quotas), &options.quotas);
         assert_eq!((cell.tenant_queued, cell.tenant_cpu_s, cell.tenant_running), (9, 0, 0));
         assert_eq!((other.tenant_queued, other.tenant_cpu_s), (5, 60));
         assert_eq!(Options::parse(&options.to_toml()).unwrap(), options);

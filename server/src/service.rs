@@ -32,6 +32,7 @@ use crate::reason::Refusal;
 use crate::rpc;
 use crate::runner::{Kernel, Runner};
 use crate::spans::Spans;
+use crate::webhooks::Webhooks;
 
 /// Largest message in either direction, bytes; of a compressed one, as it is without compression.
 pub const MAX_MESSAGE: usize = 4 << 20;
@@ -65,6 +66,9 @@ pub enum Error {
     /// Spans cannot be sent to the collector.
     #[error("{0}")]
     Spans(String),
+    /// A target of webhooks cannot be used.
+    #[error("{0}")]
+    Webhooks(String),
     /// Calls cannot be guarded as asked.
     #[error("{0}")]
     Guard(String),
@@ -189,6 +193,8 @@ pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Resu
     let metrics = Arc::new(Metrics::new());
     let gate = Arc::new(Gate::open(&options, metrics.clone()).map_err(Error::Guard)?);
     let spans = Spans::to(&options.connections.otlp).map_err(Error::Spans)?;
+    let webhooks =
+        Webhooks::start(&options.tables.webhooks, options.guard.insecure, &metrics).map_err(Error::Webhooks)?;
     let address = options.listen;
     let listen = |error| Error::Listen { address, error };
     let listener = TcpListener::bind(address).await.map_err(listen)?;
@@ -205,7 +211,7 @@ pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Resu
     let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
     let opened = tokio::task::spawn_blocking(move || {
         let seams = local::open(&options, disk, &metrics)?;
-        let core = Core::new(options, Box::new(runner), seams, Seen { metrics, spans })?;
+        let core = Core::new(options, Box::new(runner), seams, Seen { metrics, spans, webhooks })?;
         core.recover()?;
         Ok::<_, Refusal>(core)
     });
@@ -306,7 +312,7 @@ impl Service {
             closed.keep_time();
             closed.ledger.close();
             closed.host.release();
-            closed.close_spans();
+            closed.close_exports();
         })
         .await;
         tracing::info!("stopped");

@@ -15,6 +15,7 @@ use crate::ledger::record::{Record, State};
 use crate::log::writer::Small;
 use crate::reason::Refusal;
 use crate::spans::Spans;
+use crate::webhooks::Webhooks;
 
 /// Time between two attempts to make the end of a job durable.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -28,19 +29,20 @@ pub(super) struct End {
     log: Option<Small>,
 }
 
-/// Ends that the ledger has answered, and where spans of jobs go.
+/// Ends that the ledger has answered, and where spans and messages of jobs go.
 #[derive(Debug)]
 pub(crate) struct Ends {
     answered: Sender<(End, Result<(), Refusal>)>,
     spans: Spans,
+    webhooks: Webhooks,
 }
 
 impl Ends {
     /// Starts the thread; it ends with the last handle.
-    pub(super) fn start(spans: Spans) -> io::Result<Self> {
+    pub(super) fn start(spans: Spans, webhooks: Webhooks) -> io::Result<Self> {
         let (answered, receive) = channel();
         std::thread::Builder::new().name("ends".to_owned()).spawn(move || finish(&receive))?;
-        Ok(Self { answered, spans })
+        Ok(Self { answered, spans, webhooks })
     }
 }
 
@@ -115,10 +117,12 @@ impl Core {
             self.metrics.limit(reached.name());
         }
         self.ends.spans.ended(record);
+        self.ends.webhooks.ended(record);
     }
 
-    /// Sends the spans that are left.
-    pub(crate) fn close_spans(&self) {
+    /// Sends the spans and the messages that are left.
+    pub(crate) fn close_exports(&self) {
         self.ends.spans.close();
+        self.ends.webhooks.close();
     }
 }

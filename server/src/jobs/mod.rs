@@ -47,6 +47,7 @@ use crate::queue::Queue;
 use crate::reason::Refusal;
 use crate::runner::Runner;
 use crate::spans::Spans;
+use crate::webhooks::Webhooks;
 use board::Board;
 use ends::Ends;
 use feed::{Feed, Removed};
@@ -74,6 +75,7 @@ pub(crate) struct Seams {
 pub(crate) struct Seen {
     pub(crate) metrics: Arc<Metrics>,
     pub(crate) spans: Spans,
+    pub(crate) webhooks: Webhooks,
 }
 
 /// State that all parts of the server share.
@@ -109,10 +111,10 @@ impl Core {
         seen: Seen,
     ) -> Result<Arc<Self>, Refusal> {
         let Seams { ledger, queue, logs, blobs, host } = seams;
-        let Seen { metrics, spans } = seen;
+        let Seen { metrics, spans, webhooks } = seen;
         let core = Arc::new(Self {
             flusher: Flusher::start()?,
-            ends: Ends::start(spans)?,
+            ends: Ends::start(spans, webhooks)?,
             board: Board::new(queue, Clock::from(ledger.highest_ms()), ledger.epoch(), options.maxima.memory_bytes),
             ledger,
             machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
@@ -159,6 +161,7 @@ impl Core {
                     self.logs.remove_log(&record.id)?;
                 }
                 self.ledger.update_blocking(record.clone())?;
+                self.ended(&record);
                 self.host.unmark(&record.id);
             }
             if !record.state.ended() {

@@ -53,7 +53,7 @@ impl Shares {
     pub(super) fn new(options: &Options) -> Self {
         let limits = &options.connections;
         Self {
-            tenants: RwLock::new(Arc::new(options.tenants.clone())),
+            tenants: RwLock::new(Arc::new(options.tables.tenants.clone())),
             by_connection: Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection)),
             by_tenant: Arc::new(Places::new(usize::MAX, usize::MAX)),
             growing: Arc::default(),

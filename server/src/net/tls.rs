@@ -3,9 +3,8 @@
 //! Invariant: a connection whose handshake is not done by the deadline holds no descriptor any longer, and one that
 //! does not speak HTTP/2 after that neither.
 
-use std::fmt::Display;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::pin::Pin;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::task::{Context, Poll};
@@ -21,6 +20,7 @@ use tokio_rustls::server::TlsStream;
 
 use super::PREFACE;
 use crate::access::CertificateNames;
+use crate::certificates::{self, wrong};
 use crate::options::Guard;
 
 /// Certificates of the server.
@@ -70,30 +70,20 @@ fn config(options: &Guard) -> Result<ServerConfig, String> {
         builder.with_no_client_auth()
     } else {
         let mut roots = RootCertStore::empty();
-        for certificate in certificates(&options.tls_client_ca)? {
+        for certificate in certificates::read(&options.tls_client_ca)? {
             roots.add(certificate).map_err(|error| wrong(&options.tls_client_ca, error))?;
         }
         let verifier = WebPkiClientVerifier::builder_with_provider(Arc::new(roots), provider).build();
         builder.with_client_cert_verifier(verifier.map_err(|error| wrong(&options.tls_client_ca, error))?)
     };
     let key = PrivateKeyDer::from_pem_file(&options.tls_key).map_err(|error| wrong(&options.tls_key, error))?;
-    let chain = certificates(&options.tls_cert)?;
+    let chain = certificates::read(&options.tls_cert)?;
     let mut config = builder.with_single_cert(chain, key).map_err(|error| wrong(&options.tls_cert, error))?;
     config.alpn_protocols = vec![b"h2".to_vec()];
     if options.grpc_web {
         config.alpn_protocols.push(b"http/1.1".to_vec());
     }
     Ok(config)
-}
-
-fn wrong(path: &Path, error: impl Display) -> String {
-    format!("'{}': {error}", path.display())
-}
-
-fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
-    let found = CertificateDer::pem_file_iter(path).map_err(|error| wrong(path, error))?;
-    let found: Vec<_> = found.collect::<Result<_, _>>().map_err(|error| wrong(path, error))?;
-    if found.is_empty() { Err(wrong(path, "there is no certificate in it")) } else { Ok(found) }
 }
 
 /// DNS names of a certificate that has been verified.

@@ -302,9 +302,9 @@ async fn a_tenant_beyond_its_bytes_loses_its_own_jobs_that_ended_first_also_afte
     let own = Tenant { running: Some(1), keep_bytes: Some(most), ..Tenant::default() };
     let waits = many.submit("m-4", MACHINE, "EVENTS 20000").await.unwrap().job_id;
     many.wait(&waits).await;
-    options.tenants = BTreeMap::from([("many".to_owned(), own)]);
+    options.tables.tenants = BTreeMap::from([("many".to_owned(), own)]);
     // The two that ended first; the last one is all that its bytes allow.
-    server.handle.set_tenants(options.tenants.clone());
+    server.handle.set_tenants(options.tables.tenants.clone());
     until_own(&many, &[&running, &waits]).await;
     assert_eq!(few.list().await, others);
     server.stop().await;

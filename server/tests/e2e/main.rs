@@ -75,3 +75,4 @@ mod upgrade;
 mod watch;
 mod watch_jobs;
 mod web;
+mod webhooks;

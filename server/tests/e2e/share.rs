@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_server::access::Role;
-use counterpoint_server::options::{Options, Quotas, Tenant};
+use counterpoint_server::options::{Options, Quotas, Tables, Tenant};
 use tonic::{Code, Status};
 use tonic_types::StatusExt;
 
@@ -207,7 +207,8 @@ async fn a_tenant_with_a_table_of_its_own_has_its_quota_and_the_others_that_of_a
     let quotas = Quotas { tenant_queued: 4, ..Quotas::default() };
     let own = Tenant { queued: Some(2), uploads: Some(1), ..Tenant::default() };
     let tenants = BTreeMap::from([("noisy".to_owned(), own)]);
-    let (server, noisy, quiet) = two(Options { workers: 1, quotas, tenants, ..guarded(folder.path()) }).await;
+    let tables = Tables { tenants, ..Tables::default() };
+    let (server, noisy, quiet) = two(Options { workers: 1, quotas, tables, ..guarded(folder.path()) }).await;
     for (caller, name, most) in [(&noisy, "n", 2), (&quiet, "q", 4)] {
         let running = caller.submit(&format!("{name}-runs"), LATHE, "HANG").await.unwrap().job_id;
         server_until(caller, &running, v1::JobState::Running).await;

@@ -1,0 +1,51 @@
+//! The message about the end of a job.
+
+use std::time::Instant;
+
+use serde_json::json;
+
+use crate::ledger::record::{Record, State};
+
+/// A message.
+#[derive(Debug, Clone)]
+pub(super) struct Message {
+    /// The same for every attempt, and for a job whose end was reported before the server died.
+    pub(super) id: String,
+    pub(super) body: String,
+    pub(super) made: Instant,
+}
+
+impl Message {
+    /// The message about a job that has ended.
+    pub(super) fn of(record: &Record) -> Self {
+        let state = match record.state {
+            State::Queued => "QUEUED",
+            State::Running => "RUNNING",
+            State::Succeeded => "SUCCEEDED",
+            State::Failed => "FAILED",
+            State::Cancelled => "CANCELLED",
+        };
+        let body = json!({
+            "type": "job.ended",
+            "timestamp_ms": record.ended_ms,
+            "data": {
+                "job_id": record.id,
+                "request_id": record.request_id,
+                "tenant": record.tenant,
+                "machine": record.machine_name,
+                "labels": record.asked.labels,
+                "state": state,
+                "error": record.error,
+                "verdict": record.verdict,
+                "limit": record.runs.reached.map(|limit| limit.name()),
+                "submitted_ms": record.submitted_ms,
+                "started_ms": record.runs.started_ms,
+                "ended_ms": record.ended_ms,
+                "events": record.events,
+                "makespan_ns": record.makespan_ns,
+                "log_digest": record.log_digest,
+            },
+        });
+        Self { id: format!("job_{}", record.id), body: body.to_string(), made: Instant::now() }
+    }
+}

@@ -1,0 +1,139 @@
+//! Webhooks: messages about the ends of jobs to targets that the administrator lists.
+//!
+//! One thread sends the messages of all targets; each target has its own bounded queue and order. Messages and their
+//! signatures follow the specification of Standard Webhooks. *Invariants:* no job waits for a target; a message that is
+//! not delivered is counted; a message goes only to a listed target and only about its tenants; nothing follows a
+//! redirect.
+
+mod delivery;
+mod endpoint;
+mod message;
+mod post;
+mod target;
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use tokio::sync::{mpsc, watch};
+
+use crate::ledger::record::Record;
+use crate::metrics::{Metrics, WebhookOutcome};
+use crate::options::Webhook;
+use crate::pace::Pace;
+use delivery::Retries;
+use message::Message;
+use target::Target;
+
+/// Messages that may wait for one target.
+const WAITING: usize = 1000;
+/// Time that the messages left get when the server stops.
+const CLOSING: Duration = Duration::from_secs(1);
+
+static DROPPED: Pace = Pace::new();
+
+/// A target with its queue.
+#[derive(Debug)]
+struct Line {
+    target: Arc<Target>,
+    messages: mpsc::Sender<Message>,
+}
+
+/// Sends messages until it is closed.
+#[derive(Debug)]
+pub(crate) struct Webhooks {
+    lines: Mutex<Vec<Line>>,
+    metrics: Arc<Metrics>,
+    /// Tells the thread that nothing more comes.
+    closing: watch::Sender<bool>,
+    /// Disconnected when the thread has ended.
+    done: Mutex<Receiver<()>>,
+}
+
+impl Webhooks {
+    /// Starts the thread, if there are targets.
+    ///
+    /// # Errors
+    /// A target that cannot be used, or no thread.
+    pub(crate) fn start(
+        table: &BTreeMap<String, Webhook>,
+        insecure: bool,
+        metrics: &Arc<Metrics>,
+    ) -> Result<Self, String> {
+        Self::start_with(table, insecure, metrics, Retries::default())
+    }
+
+    fn start_with(
+        table: &BTreeMap<String, Webhook>,
+        insecure: bool,
+        metrics: &Arc<Metrics>,
+        retries: Retries,
+    ) -> Result<Self, String> {
+        let (alive, done) = channel();
+        let (closing, closed) = watch::channel(false);
+        let mut lines = Vec::new();
+        let mut receivers = Vec::new();
+        for (name, webhook) in table {
+            let target = Target::new(name, webhook, insecure).map_err(|reason| format!("webhooks.{name}: {reason}"))?;
+            let (messages, receiver) = mpsc::channel(WAITING);
+            let target = Arc::new(target);
+            receivers.push((target.clone(), receiver));
+            lines.push(Line { target, messages });
+        }
+        if !lines.is_empty() {
+            let wrong = |error: std::io::Error| format!("webhooks: {error}");
+            let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(wrong)?;
+            let metrics = metrics.clone();
+            let work = move || {
+                let mut tasks = tokio::task::JoinSet::new();
+                for (target, receiver) in receivers {
+                    let deliveries =
+                        delivery::Deliveries { target, retries, metrics: metrics.clone(), closed: closed.clone() };
+                    tasks.spawn_on(deliveries.run(receiver), runtime.handle());
+                }
+                runtime.block_on(tasks.join_all());
+                drop(alive);
+            };
+            std::thread::Builder::new().name("webhooks".to_owned()).spawn(work).map_err(wrong)?;
+        }
+        Ok(Self { lines: Mutex::new(lines), metrics: metrics.clone(), closing, done: Mutex::new(done) })
+    }
+
+    /// Queues the messages about a job that has ended.
+    pub(crate) fn ended(&self, record: &Record) {
+        let lines = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
+        for line in lines.iter().filter(|line| line.target.wants(record)) {
+            if line.messages.try_send(Message::of(record)).is_err() {
+                self.metrics.webhook(&line.target.name, WebhookOutcome::Dropped);
+                if let Some(left_out) = DROPPED.pass() {
+                    let target = &line.target.name;
+                    tracing::warn!(
+                        target_name = target,
+                        left_out,
+                        "a webhook is dropped: too many wait for its target"
+                    );
+                }
+            } else {
+                self.metrics.webhooks_waiting(&line.target.name, 1);
+            }
+        }
+    }
+
+    /// Takes no more messages, and tries each remaining one once for a moment.
+    pub(crate) fn close(&self) {
+        let lines = std::mem::take(&mut *self.lines.lock().unwrap_or_else(PoisonError::into_inner));
+        if lines.is_empty() {
+            return;
+        }
+        drop(lines);
+        self.closing.send_replace(true);
+        let done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        if done.recv_timeout(CLOSING) == Err(RecvTimeoutError::Timeout) {
+            tracing::warn!("the server stops before all webhooks are delivered");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
