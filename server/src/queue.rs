@@ -52,8 +52,9 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs of a tenant that wait.
     fn waiting_of(&self, tenant: &str) -> usize;
 
-    /// Whether jobs of other tenants than this one wait for a worker or run.
-    fn others_work(&self, tenant: &str) -> bool;
+    /// Whether jobs of other tenants than this one take processor time, or wait for a worker that another job keeps
+    /// busy. A run that `stands` takes none.
+    fn others_work(&self, tenant: &str, stands: &dyn Fn(&str) -> bool) -> bool;
 
     /// Lets a job wait.
     fn push(&mut self, ticket: Ticket<'_>, entry: Entry);

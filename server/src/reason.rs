@@ -139,6 +139,9 @@ pub enum Refusal {
     /// Too many uploads are in progress.
     #[error("too many uploads are under way (max_uploads, max_uploads_per_connection)")]
     TooManyUploads,
+    /// The request of a call makes no progress.
+    #[error("nothing of the request came for {0} s (upload_stall_s)")]
+    CallStalled(u64),
     /// An upload makes no progress.
     #[error("no chunk of the upload came for {0} s (upload_stall_s)")]
     UploadStalled(u64),
@@ -249,6 +252,7 @@ impl Refusal {
             Self::DiskFull(_) => ("DISK_FULL", Code::ResourceExhausted),
             Self::DataLoss(_) => ("DATA_LOSS", Code::DataLoss),
             Self::TooManyUploads => ("TOO_MANY_UPLOADS", Code::ResourceExhausted),
+            Self::CallStalled(_) => ("CALL_STALLED", Code::DeadlineExceeded),
             Self::UploadStalled(_) => ("UPLOAD_STALLED", Code::DeadlineExceeded),
             Self::MachineTooLarge(_) => ("MACHINE_TOO_LARGE", Code::InvalidArgument),
             Self::MachineShipped(_) => ("MACHINE_SHIPPED", Code::AlreadyExists),

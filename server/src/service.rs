@@ -35,7 +35,7 @@ use crate::spans::Spans;
 use crate::webhooks::Webhooks;
 
 /// Largest message in either direction, bytes; of a compressed one, as it is without compression.
-pub const MAX_MESSAGE: usize = 4 << 20;
+pub const MAX_MESSAGE: usize = net::MAX_MESSAGE;
 /// Time without a look at the jobs after which the server counts as stuck.
 const ALIVE: Duration = Duration::from_secs(30);
 /// Time that streams and connections get to end after the jobs have.

@@ -64,6 +64,14 @@ pub(crate) fn name(path: &str) -> &'static str {
 /// Calls that are answered when the client or a job has done something, and streams that follow a job.
 const LASTING: &[&str] = &["WatchJob", "WaitJob", "Upload", "Attend", "Debug"];
 
+/// Calls whose clients send messages as long as they last.
+const SENDING: &[&str] = &["Upload", "Attend", "Debug", "other"];
+
+/// Whether a client of the call of a path may send any number of messages.
+pub(crate) fn sends_many(path: &str) -> bool {
+    SENDING.contains(&name(path))
+}
+
 /// Whether the call of a path ends with the rights of its caller: it may last for hours.
 pub(crate) fn ends_with_rights(path: &str) -> bool {
     lasts(path) || name(path) == "WatchJobs"

@@ -3,7 +3,8 @@
 //! A caller alone has no limit. Beside others it would precede them in every queue of the server, first of all in the
 //! commits of the ledger: the calls of others would wait for as many of its calls as it has callers. An identity may
 //! have as many calls in progress as the least demanding of the others, so two that are equally busy do not limit each
-//! other. *Invariants:* an identity with fewer than [`FEW`] calls in progress never waits, regardless of others; one
+//! other. A call that lasts counts while its data flow: one that waits for a job or a client takes no processor time and
+//! no turn. *Invariants:* an identity with fewer than [`FEW`] calls in progress never waits, regardless of others; one
 //! that waits has calls in progress, so its turn comes; a call that is abandoned leaves its place to the next.
 
 use std::collections::{HashMap, VecDeque};
@@ -19,6 +20,9 @@ use super::Identity;
 const FEW: usize = 4;
 /// Time for which an identity counts as calling after its last call.
 const LINGER: Duration = Duration::from_millis(250);
+
+/// Most bytes of a message that says only that the server is alive.
+const HEARTBEAT: usize = 1024;
 
 /// Between two looks at the jobs of others, whose lock is a busy one.
 const LOOK: Duration = Duration::from_millis(20);
@@ -47,8 +51,6 @@ impl Debug for Fair {
 struct Own {
     /// Short calls in hand.
     active: usize,
-    /// Calls that last.
-    lasting: usize,
     waiting: VecDeque<oneshot::Sender<Turn>>,
     /// When it called last.
     at: Instant,
@@ -58,7 +60,7 @@ struct Own {
 
 impl Own {
     fn idle(&self) -> bool {
-        self.active == 0 && self.lasting == 0 && self.waiting.is_empty()
+        self.active == 0 && self.waiting.is_empty()
     }
 }
 
@@ -66,9 +68,13 @@ impl Own {
 #[derive(Debug)]
 pub(crate) struct Turn(Part);
 
-/// A call that lasts, until it is dropped: its identity counts as calling all the time.
-#[derive(Debug)]
-pub(crate) struct Stay(Part);
+/// A call that lasts: its identity counts as calling while its data flow.
+#[derive(Debug, Clone)]
+pub(crate) struct Stay {
+    part: Arc<Part>,
+    /// When the identity was counted last.
+    at: Arc<Mutex<Instant>>,
+}
 
 struct Part {
     all: Arc<All>,
@@ -118,7 +124,7 @@ impl All {
 
 /// The entry of an identity that calls now.
 fn called<'a>(callers: &'a mut Callers, identity: &Arc<Identity>, now: Instant) -> &'a mut Own {
-    let new = || Own { active: 0, lasting: 0, waiting: VecDeque::new(), at: now, others_work: None };
+    let new = || Own { active: 0, waiting: VecDeque::new(), at: now, others_work: None };
     let own = callers.entry(identity.clone()).or_insert_with(new);
     own.at = now;
     own
@@ -156,10 +162,23 @@ impl Fair {
         }
     }
 
-    /// Counts a call that lasts.
+    /// Counts a call that lasts, whose request has come.
     pub(crate) fn stay(&self, identity: &Arc<Identity>) -> Stay {
-        called(&mut self.0.lock(), identity, Instant::now()).lasting += 1;
-        Stay(Part { all: self.0.clone(), identity: identity.clone() })
+        let now = Instant::now();
+        called(&mut self.0.lock(), identity, now);
+        let part = Arc::new(Part { all: self.0.clone(), identity: identity.clone() });
+        Stay { part, at: Arc::new(Mutex::new(now)) }
+    }
+}
+
+impl Stay {
+    /// Data of the call flow. A heartbeat has few bytes and is no work.
+    pub(crate) fn flows(&self, bytes: usize, now: Instant) {
+        let mut at = self.at.lock().unwrap_or_else(PoisonError::into_inner);
+        if bytes > HEARTBEAT && now.saturating_duration_since(*at) >= LINGER / 4 {
+            *at = now;
+            called(&mut self.part.all.lock(), &self.part.identity, now);
+        }
     }
 }
 
@@ -182,15 +201,6 @@ impl Drop for Turn {
         // Turns that came too late are given back without the lock.
         drop(callers);
         drop(unwanted);
-    }
-}
-
-impl Drop for Stay {
-    fn drop(&mut self) {
-        let Part { all, identity } = &self.0;
-        if let Some(own) = all.lock().get_mut(identity) {
-            own.lasting = own.lasting.saturating_sub(1);
-        }
     }
 }
 
@@ -238,16 +248,16 @@ mod tests {
         let (_first, _) = in_hand(&fair, &one, 20);
         let (second, _) = in_hand(&fair, &other, 30);
         assert_eq!(second.len(), 20);
-        let stay = fair.stay(&identity("third"));
+        let third = fair.ask(&identity("third"), Instant::now());
         let (more, waiting) = in_hand(&fair, &one, 1);
         assert_eq!((more.len(), waiting.len()), (0, 1));
-        drop(stay);
+        drop(third);
     }
 
     #[test]
     fn calls_that_are_given_up_leave_their_place_to_the_next() {
         let (fair, noisy) = (Fair::default(), identity("noisy"));
-        let _stay = fair.stay(&identity("quiet"));
+        let _quiet = fair.ask(&identity("quiet"), Instant::now());
         let (mut turns, mut waiting) = in_hand(&fair, &noisy, FEW + 3);
         drop(waiting.drain(..2));
         turns.pop();
@@ -259,6 +269,25 @@ mod tests {
         assert_eq!(again.len(), FEW);
         drop(again);
         assert_eq!(fair.0.lock().get(&noisy).unwrap().active, 0);
+    }
+
+    #[test]
+    fn a_call_that_lasts_counts_while_its_data_flow() {
+        let (fair, noisy, quiet) = (Fair::default(), identity("noisy"), identity("quiet"));
+        let stay = fair.stay(&quiet);
+        let may = |at| {
+            let turns: Vec<_> = (0..FEW + 3).map_while(|_| fair.ask(&noisy, at).ok()).collect();
+            turns.len()
+        };
+        let mut now = Instant::now();
+        assert_eq!(may(now), FEW, "it has just come");
+        now += LINGER;
+        assert_eq!(may(now), FEW + 3, "it waits");
+        stay.flows(HEARTBEAT, now);
+        assert_eq!(may(now), FEW + 3, "a heartbeat");
+        stay.flows(HEARTBEAT + 1, now);
+        assert_eq!(may(now), FEW, "events");
+        assert_eq!(may(now + LINGER), FEW + 3, "it waits again");
     }
 
     #[test]

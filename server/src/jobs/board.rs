@@ -393,9 +393,12 @@ impl Core {
         self.board.live.iter().filter(|live| held(live)).map(|live| live.id.clone()).collect()
     }
 
-    /// Whether jobs of other tenants wait for a worker or run.
+    /// Whether jobs of other tenants take processor time, or wait for it.
     pub(crate) fn others_work(&self, tenant: &str) -> bool {
-        lock(&self.board.queue).jobs.others_work(tenant)
+        let running = lock(&self.board.queue).jobs.running();
+        let stand: BTreeSet<String> =
+            running.into_iter().filter(|id| self.live(id).is_some_and(|live| live.stands())).collect();
+        lock(&self.board.queue).jobs.others_work(tenant, &|id| stand.contains(id))
     }
 
     /// Interrupts all running jobs; they are queued again in the ledger.

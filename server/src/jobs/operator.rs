@@ -93,6 +93,11 @@ impl Desk {
         inner.open.values().filter(|open| !open.claimed).map(|open| open.question.clone()).collect()
     }
 
+    /// Channels that wait for an answer.
+    pub(crate) fn asking(&self) -> usize {
+        lock(&self.inner).open.values().filter(|open| open.answer.is_none()).count()
+    }
+
     /// Takes a question for an answer: its channel and the name of its dialog; `None` if it is closed.
     pub(crate) fn claim(&self, id: u64) -> Option<(u16, String)> {
         let mut inner = lock(&self.inner);
@@ -257,9 +262,11 @@ mod tests {
         assert_eq!((question.channel, question.line, question.id), (2, 3, 1));
         assert_eq!(desk.claim(1), Some((2, "D".into())));
         assert_eq!(desk.claim(1), None, "it is somebody's already");
+        assert_eq!(desk.asking(), 1);
         assert!(desk.questions().is_empty());
         desk.answer(1, Some(answer("D")));
         assert_eq!(kernel.join().unwrap(), Some(answer("D")));
+        assert_eq!(desk.asking(), 0);
         assert_eq!(desk.claim(1), None);
         assert_eq!(*changes.borrow(), 3, "asked, claimed, closed");
     }

@@ -82,6 +82,12 @@ impl Stepping {
         self.came.notify_all();
     }
 
+    /// Whether the run is paused, so that it takes no processor time until a command comes.
+    pub(crate) fn stands(&self) -> bool {
+        let inner = lock(&self.inner);
+        inner.stop.is_some() && inner.commands.is_empty()
+    }
+
     fn taken(&self, inner: &mut Inner) -> Heard {
         let command = inner.take();
         self.pending.store(!inner.commands.is_empty() || inner.detached, Ordering::Release);
@@ -151,11 +157,14 @@ mod tests {
     fn one_client_at_a_time_which_learns_where_the_run_stands() {
         let console = Stepping::new();
         console.set_patience(Duration::from_secs(3600));
+        assert!(!console.stands());
         console.say(stopped("a"));
+        assert!(console.stands());
         let mut first = console.come().unwrap();
         assert_eq!(first.try_recv(), Ok(stopped("a")));
         assert!(console.come().is_none());
         console.command(Command::Show);
+        assert!(!console.stands(), "it has something to do");
         console.command(Command::Continue);
         assert_eq!(console.poll(), Heard::Command(Command::Show));
         assert_eq!(console.wait(Duration::from_secs(3600)), Heard::Command(Command::Continue));

@@ -3,6 +3,7 @@
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
+use std::time::Instant;
 
 use bytes::Bytes;
 use http_body::{Frame, SizeHint};
@@ -23,13 +24,13 @@ pub(super) struct Held {
     /// The last frame was sent.
     over: bool,
     _call: Call,
-    _stay: Option<Stay>,
+    stay: Option<Stay>,
     _taken: Option<Arc<Taken>>,
 }
 
 impl Held {
     pub(super) fn new(body: Body, call: Call, stay: Option<Stay>, taken: Option<Arc<Taken>>) -> Self {
-        Self { body, ended: None, over: false, _call: call, _stay: stay, _taken: taken }
+        Self { body, ended: None, over: false, _call: call, stay, _taken: taken }
     }
 }
 
@@ -56,7 +57,11 @@ impl http_body::Body for Held {
             let trailers = status.into_http::<Body>().headers().clone();
             return Poll::Ready(Some(Ok(Frame::trailers(trailers))));
         }
-        Pin::new(&mut self.body).poll_frame(cx)
+        let polled = Pin::new(&mut self.body).poll_frame(cx);
+        if let (Some(stay), Poll::Ready(Some(Ok(frame)))) = (&self.stay, &polled) {
+            stay.flows(frame.data_ref().map_or(0, Bytes::len), Instant::now());
+        }
+        polled
     }
 
     fn is_end_stream(&self) -> bool {

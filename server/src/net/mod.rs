@@ -3,6 +3,7 @@
 //! Invariants: a peer that never speaks, or has not called for a while, holds no descriptor; when the process has no
 //! descriptor left, the accept loop waits instead of spinning.
 
+mod arrive;
 mod form;
 mod gate;
 mod held;
@@ -37,16 +38,19 @@ use tonic_web::GrpcWebLayer;
 use tower_layer::Layer as _;
 use tower_service::Service as _;
 
-use crate::access::CertificateNames;
+use crate::access::{CertificateNames, calls};
 use crate::connections::{Call, Connection};
 use crate::jobs::Core;
 use crate::places::Places;
 use crate::reason::Refusal;
+use arrive::{Arrived, first_message};
 pub(crate) use gate::Gate;
 use held::Held;
 use pause::{Pause, Paused};
 pub(crate) use status::serve as monitor;
 
+/// Largest message in either direction, bytes; of a compressed one, as it is without compression.
+pub(crate) const MAX_MESSAGE: usize = 4 << 20;
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
 const FRAME: u32 = 128 * 1024;
 /// Bytes that a stream may hold for a client that does not read.
@@ -66,6 +70,8 @@ const RESERVE: u64 = 512;
 struct Patience {
     preface: Duration,
     idle: Duration,
+    /// For more of a request.
+    stall: Duration,
 }
 
 /// Accepts and serves connections until `closing` says so, then until all have ended.
@@ -82,6 +88,7 @@ pub(crate) async fn serve(
     let patience = Patience {
         preface: Duration::from_secs(options.connections.preface_s),
         idle: Duration::from_secs(options.connections.idle_s),
+        stall: Duration::from_secs(options.connections.upload_stall_s),
     };
     let connections = watch::Sender::new(());
     // Accepts that have failed since the last one that did not.
@@ -194,7 +201,7 @@ async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
     let service = service_fn(move |mut request: Request<Incoming>| {
         request.extensions_mut().insert(caller.info.clone());
         // In a box, since a stream keeps room for the largest of its states as long as it lives.
-        Box::pin(answer(routes.clone(), request, caller.clone(), counted.begin()))
+        Box::pin(answer(routes.clone(), request, caller.clone(), counted.begin(), patience.stall))
     });
     if gate.web.is_some() && !PREFACE_OF_HTTP2.starts_with(first) {
         let mut builder = http1::Builder::new();
@@ -272,6 +279,7 @@ async fn answer(
     mut request: Request<Incoming>,
     peer: Arc<Peer>,
     call: Call,
+    stall: Duration,
 ) -> Result<Response<Held>, Infallible> {
     let begin = Instant::now();
     let readable = match &peer.gate.web {
@@ -303,9 +311,18 @@ async fn answer(
     let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
     let mut stay = None;
     let answered = async {
+        let (parts, body) = request.map(Body::new).into_parts();
+        let arrived = match calls::sends_many(&path) {
+            true => Arrived::open(body),
+            false => match first_message(body, MAX_MESSAGE, stall).await {
+                Ok(arrived) => arrived,
+                Err(refusal) => return Ok(Status::from(refusal).into_http()),
+            },
+        };
         let (turn, long) = peer.gate.turn(caller.as_ref(), &path).await;
-        stay = long;
-        let answer = ask(routes, request.map(Body::new), peer.gate.web.is_some()).await;
+        stay.clone_from(&long);
+        let request = Request::from_parts(parts, Body::new(arrived.of(long)));
+        let answer = ask(routes, request, peer.gate.web.is_some()).await;
         drop(turn);
         answer
     };

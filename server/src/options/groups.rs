@@ -87,7 +87,7 @@ group! {
         preface_s: u64 = 10, "COUNTERPOINT_PREFACE_S", "SECONDS";
         /// Seconds after which a connection without calls is closed
         idle_s: u64 = 300, "COUNTERPOINT_IDLE_S", "SECONDS";
-        /// Seconds that an upload may make no progress
+        /// Seconds that an upload or the request of another call may make no progress
         upload_stall_s: u64 = 30, "COUNTERPOINT_UPLOAD_STALL_S", "SECONDS";
         /// Most connections; fewer if the process may not have that many descriptors
         max_connections: usize = 4096, "COUNTERPOINT_MAX_CONNECTIONS", "N";

@@ -20,7 +20,7 @@ use crate::support::*;
 
 /// A disk on which nothing becomes durable while it is blocked.
 #[derive(Default)]
-struct Blocked(AtomicBool);
+pub struct Blocked(pub AtomicBool);
 
 impl Faults for Blocked {
     fn before(&self, step: Step, _: &Path) -> std::io::Result<usize> {
@@ -36,7 +36,7 @@ async fn two(folder: &Path, per_s: u32) -> (Server, As, As) {
     two_on(folder, per_s, Disk::default()).await
 }
 
-async fn two_on(folder: &Path, per_s: u32, disk: Disk) -> (Server, As, As) {
+pub async fn two_on(folder: &Path, per_s: u32, disk: Disk) -> (Server, As, As) {
     let mut options = Options { workers: 1, ..guarded(folder) };
     options.guard.max_calls_per_s = per_s;
     options.connections.metrics = "127.0.0.1:0".into();

@@ -61,6 +61,7 @@ mod share;
 mod signed;
 #[cfg(target_os = "linux")]
 mod stalled;
+mod standing;
 mod step;
 mod storage;
 mod submit;

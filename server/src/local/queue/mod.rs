@@ -146,8 +146,10 @@ impl Queue for LocalQueue {
         self.lines.get(tenant).map_or(0, |line| line.held)
     }
 
-    fn others_work(&self, tenant: &str) -> bool {
-        self.lines.iter().any(|(other, line)| **other != *tenant && (line.running > 0 || line.len() > 0))
+    fn others_work(&self, tenant: &str, stands: &dyn Fn(&str) -> bool) -> bool {
+        let others_wait = self.ring.iter().any(|other| **other != *tenant);
+        let mut runs = self.running.iter().filter(|run| others_wait || *run.tenant != *tenant);
+        runs.any(|run| !stands(&run.id))
     }
 
     fn push(&mut self, ticket: Ticket<'_>, entry: Entry) {

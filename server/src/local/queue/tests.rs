@@ -319,3 +319,21 @@ fn the_first_job_of_many_continues() {
     assert_eq!(suspended(&queue, 4), [id(1), id(2), id(3)]);
     assert_eq!(suspended(&queue, 7), [id(3)]);
 }
+
+#[test]
+fn a_run_that_stands_and_jobs_behind_it_are_no_work() {
+    let now = Instant::now();
+    let mut queue = LocalQueue::default();
+    let work = |queue: &LocalQueue, tenant, stand: &[&str]| queue.others_work(tenant, &|id| stand.contains(&id));
+    queue.push(ticket("steps", "other"), Entry::Accepted(now));
+    assert!(!work(&queue, "one", &[]), "no worker is busy");
+    assert_eq!(queue.next(1, now).as_deref(), Some("steps"));
+    assert!(work(&queue, "one", &[]) && !work(&queue, "one", &["steps"]) && !work(&queue, "other", &[]));
+    queue.push(ticket("behind", "other"), Entry::Accepted(now));
+    assert!(!work(&queue, "one", &["steps"]), "it waits for one that stands");
+    queue.push(ticket("own", "one"), Entry::Accepted(now));
+    assert_eq!(queue.next(1, now).as_deref(), Some("own"));
+    assert!(work(&queue, "one", &["steps"]), "it waits for a worker that a job keeps busy");
+    queue.push(ticket("held", "third"), Entry::Paused);
+    assert!(!work(&queue, "other", &["steps", "own"]));
+}
