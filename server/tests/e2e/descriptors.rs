@@ -42,7 +42,7 @@ impl Process {
             .unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        let address = line.trim().rsplit_once("http://").expect("the address is printed").1.to_owned();
+        let address = line.trim().rsplit_once("://").expect("the address is printed").1.to_owned();
         Self { child, address, log }
     }
 

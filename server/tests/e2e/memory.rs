@@ -1,15 +1,16 @@
-//! Memory of jobs that wait and of lists of them, in a server in a separate process.
+//! Memory of jobs that wait and of lists of them, in a server in a separate process, over encrypted connections.
 
 use std::time::Duration;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
-use tonic::transport::{Channel, Endpoint};
+use tonic::transport::{Certificate, Channel, ClientTlsConfig, Endpoint};
 
 use crate::descriptors::Process;
 use crate::killed::resident;
 use crate::support::digest;
+use crate::tls::Authority;
 
 /// Jobs before the measurement, which fill what the server keeps in any case, and jobs that are measured.
 const FIRST: usize = 16;
@@ -31,9 +32,14 @@ fn answers() -> Vec<v1::DialogAnswer> {
 #[tokio::test(flavor = "multi_thread")]
 async fn waiting_jobs_and_lists_of_them_take_no_memory_for_their_answers() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Process::start_with(folder.path(), &["--workers", "1"]);
-    let endpoint = Endpoint::from_shared(format!("http://{}", server.address)).unwrap();
-    let channel = endpoint.connect().await.unwrap();
+    let authority = Authority::new();
+    authority.serve(folder.path());
+    let file = |name| folder.path().join(name).display().to_string();
+    let (certificate, key) = (file("cert.pem"), file("key.pem"));
+    let server = Process::start_with(folder.path(), &["--workers", "1", "--tls-cert", &certificate, "--tls-key", &key]);
+    let endpoint = Endpoint::from_shared(format!("https://{}", server.address)).unwrap();
+    let tls = ClientTlsConfig::new().ca_certificate(Certificate::from_pem(&authority.pem)).domain_name("localhost");
+    let channel = endpoint.tls_config(tls).unwrap().connect().await.unwrap();
     let name = digest(PROGRAM.as_bytes());
     let upload = v1::UploadRequest { digest: name.clone(), data: PROGRAM.as_bytes().into(), size: None };
     BlobsClient::new(channel.clone()).upload(tokio_stream::iter([upload])).await.unwrap();

@@ -40,7 +40,7 @@ impl Authority {
     }
 
     /// Writes a certificate for a server on this machine.
-    fn serve(&self, folder: &Path) {
+    pub fn serve(&self, folder: &Path) {
         let (certificate, key) = self.certify("localhost", ExtendedKeyUsagePurpose::ServerAuth);
         std::fs::write(folder.join("cert.pem"), certificate).unwrap();
         std::fs::write(folder.join("key.pem"), key).unwrap();
