@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use clap::{Parser, Subcommand};
-use counterpoint_server::access::{Role, token};
+use counterpoint_server::access::token_commands::TokenCommand;
 use counterpoint_server::backup::{self, Contents};
 use counterpoint_server::doctor;
 use counterpoint_server::notify::Manager;
@@ -61,41 +61,16 @@ enum Command {
         #[arg(long, value_name = "FOLDER")]
         data: Option<PathBuf>,
     },
-    /// Make tokens for callers
+    /// Make, list and revoke tokens of callers, in the file of identities
     #[command(subcommand)]
-    Token(Token),
-}
-
-#[derive(Debug, Subcommand)]
-enum Token {
-    /// Print a new token, and add its row to the file of identities, or print the row if there is no such file
-    New {
-        /// Tenant that its caller belongs to
-        #[arg(long)]
-        tenant: String,
-        /// Rights of its caller
-        #[arg(long, value_enum)]
-        role: Role,
-        /// Name of its caller in the audit log
-        #[arg(long, default_value = "token")]
-        name: String,
-        /// Days until it expires [default: never]
-        #[arg(long, value_name = "N")]
-        days: Option<u64>,
-        /// File of identities [default: that of the configuration]
-        #[arg(long, value_name = "FILE.toml")]
-        access: Option<PathBuf>,
-    },
+    Token(TokenCommand),
 }
 
 /// Executes commands that need no server of their own.
 fn run(command: &Command, options: &Options) -> ExitCode {
     let data = &options.data;
     let done = match command {
-        Command::Token(Token::New { tenant, role, name, days, access }) => {
-            let access = access.as_ref().unwrap_or(&options.guard.access);
-            new_token(name, tenant, *role, *days, access)
-        }
+        Command::Token(command) => command.run(&options.guard.access),
         Command::Doctor { data: own, repair } => return examine(own.as_deref().unwrap_or(data), *repair),
         Command::Backup { to, data: own } => {
             keep_private();
@@ -117,18 +92,6 @@ fn run(command: &Command, options: &Options) -> ExitCode {
             ExitCode::from(3)
         }
     }
-}
-
-/// Prints a new token; its row goes into the file of identities, or is printed too.
-fn new_token(name: &str, tenant: &str, role: Role, days: Option<u64>, access: &Path) -> Result<(), String> {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    let expires_s = days.map(|days| now.saturating_add(days.saturating_mul(86_400)));
-    let (token, row) = token::create(name, tenant, role, expires_s)?;
-    if access.as_os_str().is_empty() {
-        return output::line(format_args!("{token}\n\n{row}"));
-    }
-    token::append(access, &row).map_err(|error| format!("'{}': {error}", access.display()))?;
-    output::line(format_args!("{token}"))
 }
 
 /// Examines a folder and prints the findings.

@@ -18,6 +18,11 @@ pub fn announce(text: Arguments<'_>) {
     let _ = write_line(&mut io::stdout().lock(), text);
 }
 
+/// Writes a remark of a command to standard error; drops it if that fails.
+pub fn remark(text: Arguments<'_>) {
+    let _ = write_line(&mut io::stderr().lock(), text);
+}
+
 /// Writes the reason for which the program ends to standard error; drops it if that fails.
 pub fn failure(text: Arguments<'_>) {
     let _ = write_line(&mut io::stderr().lock(), text);

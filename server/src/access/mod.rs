@@ -7,6 +7,7 @@
 pub(crate) mod audit;
 pub(crate) mod calls;
 pub(crate) mod fair;
+pub mod edit;
 mod file;
 mod jwt;
 mod rate;
@@ -14,6 +15,7 @@ mod refused;
 mod rights;
 pub(crate) mod strangers;
 pub mod token;
+pub mod token_commands;
 
 use std::collections::HashMap;
 use std::net::IpAddr;

@@ -2,10 +2,6 @@
 //!
 //! Invariant: the content of the file of identities does not suffice to make calls.
 
-use std::fs::OpenOptions;
-use std::io::Write as _;
-use std::path::Path;
-
 use ring::rand::{SecureRandom as _, SystemRandom};
 use sha2::{Digest as _, Sha256};
 
@@ -46,18 +42,4 @@ pub fn create(name: &str, tenant: &str, role: Role, expires_s: Option<u64>) -> R
         row.insert("expires_s".to_owned(), i64::try_from(at).unwrap_or(i64::MAX).into());
     }
     Ok((token, format!("[[token]]\n{row}")))
-}
-
-/// Adds a row to a file of identities, which is made if it is not there: readable by its owner only.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn append(path: &Path, row: &str) -> std::io::Result<()> {
-    let mut options = OpenOptions::new();
-    options.append(true).create(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    let mut file = options.open(path)?;
-    file.write_all(format!("\n{row}").as_bytes())?;
-    file.sync_all()
 }

@@ -9,7 +9,7 @@ use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
 use counterpoint_proto::v1::results_client::ResultsClient;
-use counterpoint_server::access::{Role, token};
+use counterpoint_server::access::{Role, edit, token};
 use counterpoint_server::options::{Guard, Options};
 use tonic::service::interceptor::InterceptedService;
 use tonic::transport::Channel;
@@ -142,6 +142,6 @@ pub fn guarded(folder: &Path) -> Options {
 /// A new token in the file of identities.
 pub fn grant(options: &Options, name: &str, tenant: &str, role: Role) -> String {
     let (token, row) = token::create(name, tenant, role, None).unwrap();
-    token::append(&options.guard.access, &row).unwrap();
+    edit::add_row(&options.guard.access, &row).unwrap();
     token
 }

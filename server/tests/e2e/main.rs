@@ -70,6 +70,7 @@ mod tenants;
 #[cfg(target_os = "linux")]
 mod threads;
 mod tls;
+mod tokens;
 mod traces;
 mod trouble;
 mod upgrade;

@@ -1,0 +1,154 @@
+//! `counterpointd token`: makes, lists and revokes tokens in the file of identities.
+//!
+//! Invariants: a token is printed once, when it is made; a running server is not touched, as only its owner may make
+//! it read the file again.
+
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::edit::{self, Row};
+use super::{Role, token};
+use crate::output;
+
+/// Digits of a digest that lists show, and the fewest that name a token.
+const SHOWN: usize = 12;
+const FEWEST: usize = 8;
+const DAY_S: u64 = 86_400;
+/// How a change comes into force.
+const RELOAD: &str = "a running server reads the file on SIGHUP (systemctl reload counterpointd)";
+
+/// Commands for tokens.
+#[derive(Debug, clap::Subcommand)]
+pub enum TokenCommand {
+    /// Print a new token, and add its row to the file of identities, or print the row if there is no such file
+    New {
+        /// Tenant that its caller belongs to
+        #[arg(long)]
+        tenant: String,
+        /// Rights of its caller
+        #[arg(long, value_enum)]
+        role: Role,
+        /// Name of its caller in the audit log
+        #[arg(long, default_value = "token")]
+        name: String,
+        /// Days until it expires [default: never]
+        #[arg(long, value_name = "N")]
+        days: Option<u64>,
+        /// File of identities [default: that of the configuration]
+        #[arg(long, value_name = "FILE.toml")]
+        access: Option<PathBuf>,
+    },
+    /// List the tokens of the file of identities: beginning of the digest, name, tenant, role, expiry
+    List {
+        /// File of identities [default: that of the configuration]
+        #[arg(long, value_name = "FILE.toml")]
+        access: Option<PathBuf>,
+    },
+    /// Remove a token from the file of identities
+    Revoke {
+        /// Its name, or the beginning of its digest (at least 8 digits), as `token list` shows them
+        token: String,
+        /// File of identities [default: that of the configuration]
+        #[arg(long, value_name = "FILE.toml")]
+        access: Option<PathBuf>,
+    },
+}
+
+impl TokenCommand {
+    /// Executes the command; `configured` is the file of the configuration, or empty.
+    ///
+    /// # Errors
+    /// When the file cannot be used, the token cannot be made or found, or the output cannot be written.
+    pub fn run(&self, configured: &Path) -> Result<(), String> {
+        let now_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+        match self {
+            Self::New { tenant, role, name, days, access } => {
+                let expires_s = days.map(|days| now_s.saturating_add(days.saturating_mul(DAY_S)));
+                let (token, row) = token::create(name, tenant, *role, expires_s)?;
+                let access = access.as_deref().unwrap_or(configured);
+                if access.as_os_str().is_empty() {
+                    return output::line(format_args!("{token}\n\n{row}"));
+                }
+                edit::add_row(access, &row)?;
+                output::remark(format_args!("{RELOAD}"));
+                output::line(format_args!("{token}"))
+            }
+            Self::List { access } => {
+                let rows = edit::rows(file(access.as_deref(), configured)?)?;
+                rows.iter().try_for_each(|row| output::line(format_args!("{}", shown(row, now_s))))
+            }
+            Self::Revoke { token, access } => {
+                let access = file(access.as_deref(), configured)?;
+                let row = chosen(&edit::rows(access)?, token, now_s)?;
+                edit::remove(access, &row.sha256)?;
+                output::remark(format_args!("{RELOAD}"));
+                output::line(format_args!("revoked: {}", shown(&row, now_s)))
+            }
+        }
+    }
+}
+
+/// The file to work on.
+fn file<'a>(given: Option<&'a Path>, configured: &'a Path) -> Result<&'a Path, String> {
+    let file = given.unwrap_or(configured);
+    match file.as_os_str().is_empty() {
+        true => Err("the configuration names no file of identities: give it with --access FILE.toml".to_owned()),
+        false => Ok(file),
+    }
+}
+
+/// A token as lists show it.
+fn shown(row: &Row, now_s: u64) -> String {
+    let Row { name, tenant, role, sha256, expires_s } = row;
+    let expiry = match expires_s {
+        None => "never expires".to_owned(),
+        Some(at) if *at <= now_s => "expired".to_owned(),
+        Some(at) => match (at - now_s).div_ceil(DAY_S) {
+            1 => "expires in 1 day".to_owned(),
+            days => format!("expires in {days} days"),
+        },
+    };
+    let digest: String = sha256.chars().take(SHOWN).collect();
+    format!("{digest}  {name}  {tenant}  {role}  {expiry}")
+}
+
+/// The one token that a text names.
+fn chosen(rows: &[Row], text: &str, now_s: u64) -> Result<Row, String> {
+    let begins = |row: &Row| text.len() >= FEWEST && row.sha256.starts_with(text);
+    let found: Vec<&Row> = rows.iter().filter(|row| row.name == text || begins(row)).collect();
+    match found.as_slice() {
+        [] => Err(format!("no token has the name '{text}' or a digest that begins so: `token list` shows them")),
+        [row] => Ok((*row).clone()),
+        several => {
+            let list: String = several.iter().map(|row| format!("\n  {}", shown(row, now_s))).collect();
+            Err(format!("'{text}' names several tokens: give the beginning of a digest{list}"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_token_is_named_by_its_name_or_its_digest_and_never_chosen_among_several() {
+        let row = |name: &str, digit: &str, expires_s| Row {
+            name: name.to_owned(),
+            tenant: "t".to_owned(),
+            role: "read".to_owned(),
+            sha256: digit.repeat(64),
+            expires_s,
+        };
+        let rows = [row("ci", "a", None), row("ci", "b", Some(100)), row("view", "c", Some(100 + DAY_S))];
+        assert_eq!(chosen(&rows, "view", 0).unwrap(), rows[2]);
+        assert_eq!(chosen(&rows, "bbbbbbbb", 0).unwrap(), rows[1]);
+        for none in ["bbbb", "x", ""] {
+            assert!(chosen(&rows, none, 0).unwrap_err().contains("no token"), "{none}");
+        }
+        let several = chosen(&rows, "ci", 100).unwrap_err();
+        assert!(several.contains("aaaaaaaaaaaa  ci  t  read  never expires"), "{several}");
+        assert!(several.contains("bbbbbbbbbbbb  ci  t  read  expired"), "{several}");
+        assert_eq!(shown(&rows[2], 101), "cccccccccccc  view  t  read  expires in 1 day");
+        assert!(file(None, Path::new("")).is_err() && file(None, Path::new("a")).is_ok());
+    }
+}

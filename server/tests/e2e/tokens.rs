@@ -1,0 +1,57 @@
+//! `counterpointd token`: tokens come into the file of identities and out of it, and the server follows on SIGHUP.
+
+use std::path::Path;
+use std::process::Command;
+
+use counterpoint_proto::v1;
+
+use crate::guarded::*;
+use crate::support::*;
+
+/// Exit code, standard output and standard error of a command.
+fn token(access: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    let output = command.arg("token").args(arguments).arg("--access").arg(access).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[tokio::test]
+async fn a_token_is_made_listed_and_revoked_and_the_server_follows_when_it_reads_the_file_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let access = options.guard.access.clone();
+    std::fs::write(&access, "# Ask Kim.\n\n").unwrap();
+    let server = Server::start(options).await;
+    let (code, made, hint) = token(&access, &["new", "--tenant", "t", "--role", "read", "--name", "ci", "--days", "9"]);
+    assert_eq!((code, made.lines().count()), (Some(0), 1), "{hint}");
+    assert!(hint.contains("SIGHUP"), "{hint}");
+    let secret = made.trim();
+    let file = || std::fs::read_to_string(&access).unwrap();
+    assert!(file().starts_with("# Ask Kim.\n") && !file().contains(secret), "the file holds no token");
+    let list = || v1::ListJobsRequest::default();
+    let caller = As::new(&server, secret);
+    caller.jobs().list_jobs(list()).await.expect_err("the server has not read it yet");
+    server.handle.reload();
+    caller.jobs().list_jobs(list()).await.unwrap();
+
+    let (code, listed, _) = token(&access, &["list"]);
+    assert_eq!((code, listed.lines().count()), (Some(0), 1));
+    assert!(listed.trim().ends_with("  ci  t  read  expires in 9 days"), "{listed}");
+    let (code, out, refusal) = token(&access, &["revoke", "other"]);
+    assert_eq!((code, out.as_str()), (Some(3), ""));
+    assert!(refusal.contains("no token has the name 'other'"), "{refusal}");
+    assert_eq!(token(&access, &["revoke", "ci"]).0, Some(0));
+    assert_eq!((token(&access, &["list"]).1.as_str(), file().contains("# Ask Kim.")), ("", true));
+    server.handle.reload();
+    let refused = caller.jobs().list_jobs(list()).await.unwrap_err();
+    assert_eq!(reason(&refused), "UNAUTHENTICATED");
+    server.stop().await;
+
+    std::fs::write(&access, "[[tokens]]\n").unwrap();
+    for arguments in [&["list"][..], &["revoke", "ci"], &["new", "--tenant", "t", "--role", "read"]] {
+        let (code, out, refusal) = token(&access, arguments);
+        assert_eq!((code, out.as_str()), (Some(3), ""), "{refusal}");
+        assert!(refusal.contains("tokens"), "{refusal}");
+    }
+}
