@@ -97,6 +97,18 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
                 "LockPersonality",
                 "MemoryDenyWriteExecute",
                 "SystemCallArchitectures",
+                "RestrictRealtime",
+                "RestrictSUIDSGID",
+                "PrivateUsers",
+                "ProtectClock",
+                "ProtectHostname",
+                "ProtectKernelLogs",
+                "ProtectProc",
+                "ProcSubset",
+                "CapabilityBoundingSet",
+                "UMask",
+                "SystemCallFilter",
+                "SystemCallErrorNumber",
             ],
         ),
         ("Install", &["WantedBy"]),
@@ -110,7 +122,7 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
         }
         let (key, value) = line.split_once('=').unwrap_or_else(|| panic!("{line}"));
         let keys = known.iter().find(|(name, _)| *name == section).unwrap_or_else(|| panic!("[{section}]")).1;
-        assert!(keys.contains(&key) && !value.is_empty(), "[{section}] {line}");
+        assert!(keys.contains(&key) && (!value.is_empty() || key == "CapabilityBoundingSet"), "[{section}] {line}");
         values.push((key.to_owned(), value.to_owned()));
     }
     let value = |name: &str| values.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str());
@@ -312,11 +324,13 @@ fn the_chart_renders_and_its_parts_fit_together() {
 #[test]
 fn rules_and_board_ask_for_metrics_that_exist() {
     let rules = yaml(&read("deploy/prometheus/rules.yaml"));
+    let tests = read("deploy/prometheus/tests.yaml");
     let mut names = BTreeSet::new();
     for rule in rules["groups"].as_array().unwrap().iter().flat_map(|group| group["rules"].as_array().unwrap()) {
         check_query(rule["expr"].as_str().unwrap());
         let name = rule["alert"].as_str().or(rule["record"].as_str()).unwrap();
         assert!(names.insert(name.to_owned()), "{name} is there twice");
+        assert!(tests.contains(name), "{name} has no test");
         if rule["alert"].is_string() {
             assert!(["info", "warning", "critical"].contains(&rule["labels"]["severity"].as_str().unwrap()), "{rule}");
             assert!(
