@@ -31,6 +31,7 @@ mod find;
 mod flips;
 mod floods;
 mod folder;
+mod grpcurl;
 mod guard;
 mod guarded;
 mod gzip;
