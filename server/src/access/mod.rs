@@ -6,8 +6,8 @@
 
 pub(crate) mod audit;
 pub(crate) mod calls;
-pub(crate) mod fair;
 pub mod edit;
+pub(crate) mod fair;
 mod file;
 mod jwt;
 mod rate;
