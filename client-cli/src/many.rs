@@ -11,7 +11,7 @@ use crate::client::Client;
 use crate::error::Error;
 use crate::{job_names, jobs, say};
 
-/// What is done to the jobs.
+/// Action on the selected jobs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Act {
     Cancel,
@@ -44,7 +44,7 @@ impl Act {
         Ok(())
     }
 
-    /// A page of jobs, and the token of the next page.
+    /// Acts on one page of jobs, or only lists it; returns the ids and the token of the next page.
     async fn page(
         self,
         client: &Client,
@@ -68,7 +68,7 @@ impl Act {
         })
     }
 
-    /// All pages of jobs.
+    /// Acts on all pages of jobs, or only lists them; returns the number of jobs.
     async fn pages(
         self,
         client: &Client,
@@ -95,7 +95,7 @@ fn jobs_of(count: usize) -> String {
     if count == 1 { "1 job".to_owned() } else { format!("{count} jobs") }
 }
 
-/// Whether the user wants it.
+/// Whether the user confirms the action.
 fn confirmed(act: Act, count: usize) -> Result<bool, Error> {
     let (verb, jobs) = (act.verb(), jobs_of(count));
     if !stdin().is_terminal() {
@@ -109,7 +109,7 @@ fn confirmed(act: Act, count: usize) -> Result<bool, Error> {
     Ok(matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes"))
 }
 
-/// Cancels or deletes.
+/// Executes `cancel` or `delete`.
 pub(crate) async fn act(act: Act, arguments: Many) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let Many { job, filter, all, dry_run, yes, quiet, .. } = arguments;

@@ -769,7 +769,7 @@ fn a_watch_of_a_job_that_is_paused_resumed_and_cancelled_ends_with_the_job() {
     assert_eq!(status, 1, "{talk}");
 }
 
-/// Jobs of a filter are cancelled and deleted after a confirmation only, which scripts give with `--yes`.
+/// Jobs of a filter are cancelled and deleted only after a confirmation, which scripts give with `--yes`.
 #[test]
 fn jobs_of_a_filter_are_cancelled_and_deleted_once_that_is_confirmed() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,9 +1,9 @@
-//! The time by which ended jobs grow old and are ordered.
+//! The time by which ended jobs age and are ordered.
 //!
-//! *Invariant:* it never goes back, also not over a restart, since the ledger stores it, and it never stands still: if
-//! the clock of the computer is behind, it goes on with the monotonic clock. A clock that jumps ahead is believed only
-//! when it has stayed there for an hour, so a wrong clock removes no jobs. Times of a status, deadlines and days count
-//! by the clock of the computer as it is.
+//! *Invariant:* this time never goes back, even after a restart, since the ledger stores it, and it never stands still.
+//! If the computer's clock shows less, this time advances with the monotonic clock. A clock that jumps ahead is trusted
+//! only after it has stayed there for an hour, so a wrong clock removes no jobs. Times of a status, deadlines and days
+//! follow the computer's clock as it is.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -43,7 +43,7 @@ impl Reading {
         let passed = i64::try_from(passed.as_millis()).unwrap_or(i64::MAX);
         let counted = self.time_ms.saturating_add(passed);
         let by_ms = shown_ms.saturating_sub(counted);
-        // What is left of a millisecond counts the next time.
+        // The rest of a millisecond counts at the next reading.
         let at_counted = self.at + Duration::from_millis(u64::try_from(passed).unwrap_or(0));
         let believed = by_ms <= most_ahead_ms || self.confirmed(by_ms, at);
         (self.time_ms, self.at) = if believed && by_ms > 0 { (shown_ms, at) } else { (counted, at_counted) };
@@ -59,7 +59,7 @@ impl Reading {
             Some(jump) if by_ms.abs_diff(jump.by_ms) <= MOST_AHEAD_MS.unsigned_abs() => {
                 let confirmed = at.saturating_duration_since(jump.since) >= CONFIRMED;
                 if confirmed {
-                    tracing::warn!(ahead_s = by_ms / 1000, "the clock has stayed ahead: jobs grow old by it again");
+                    tracing::warn!(ahead_s = by_ms / 1000, "the clock has stayed ahead: jobs age by it again");
                 }
                 confirmed
             }

@@ -51,7 +51,7 @@ pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
     examine_on(folder, repair, Disk::default())
 }
 
-/// Same on a disk that may have troubles.
+/// Does the same on a disk that may fail.
 ///
 /// # Errors
 /// As above.
@@ -104,7 +104,7 @@ impl Doctor {
         let checkup = match opened {
             Ok(Some(checkup)) => checkup,
             Ok(None) => return Ok(()),
-            // Not a damage, but trouble of the host.
+            // A problem of the host, not damage.
             Err(trouble @ Refusal::Storage(_)) => return Err(trouble),
             Err(refusal) => {
                 if !self.found.iter().any(|damage| damage.path == ledger) {

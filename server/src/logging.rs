@@ -1,7 +1,7 @@
 //! The log of the running server on standard error, as text or as JSON.
 //!
 //! Invariants: both forms have the same lines with the same fields and spans, filtered by `COUNTERPOINT_LOG`. In JSON
-//! every line is one object, also the report of a panic and the reason for which the server ends. A line that cannot
+//! every line is one object, including the report of a panic and the reason why the server ends. A line that cannot
 //! be written is dropped and ends no thread.
 
 use std::fmt::Display;
@@ -23,7 +23,7 @@ pub enum LogFormat {
     Json,
 }
 
-/// Begins the log of this process.
+/// Starts the log of this process.
 pub fn start(format: LogFormat) {
     let filter = EnvFilter::try_from_env("COUNTERPOINT_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
     let lines = tracing_subscriber::fmt()
@@ -40,7 +40,7 @@ pub fn start(format: LogFormat) {
     }
 }
 
-/// Reports the reason for which the running server ends.
+/// Reports why the running server ends.
 pub fn end(format: LogFormat, reason: &dyn Display) {
     if format == LogFormat::Json && tracing::enabled!(tracing::Level::ERROR) {
         tracing::error!(%reason, "the server ends");

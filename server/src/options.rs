@@ -1,8 +1,8 @@
 //! Settings of the server: flags over environment over configuration file over defaults.
 //!
 //! Invariant: every option exists in all three forms under one name (`queue` = `--queue` = `COUNTERPOINT_QUEUE`),
-//! except for the tables of single tenants and of webhooks, which only a file has; and [`Options::to_toml`] prints a file that gives
-//! the same options again.
+//! except for the tables of single tenants and of webhooks, which only a file has; and [`Options::to_toml`] prints a
+//! file that gives the same options again.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -72,7 +72,7 @@ pub struct Options {
 pub struct Tables {
     /// Different quotas and retention of single tenants.
     pub tenants: BTreeMap<String, Tenant>,
-    /// Targets that are informed of the ends of jobs.
+    /// Targets that are notified when jobs end.
     pub webhooks: BTreeMap<String, Webhook>,
 }
 

@@ -18,7 +18,7 @@ pub fn announce(text: Arguments<'_>) {
     let _ = write_line(&mut io::stdout().lock(), text);
 }
 
-/// Writes a remark of a command to standard error; drops it if that fails.
+/// Writes a remark of a command to standard error; ignores a failure to write.
 pub fn remark(text: Arguments<'_>) {
     let _ = write_line(&mut io::stderr().lock(), text);
 }

@@ -1,4 +1,4 @@
-//! The content of `deploy/`, checked by the tools that will read it. A tool that is absent skips its test aloud.
+//! The content of `deploy/`, checked by the tools that will read it. A test without its tool is skipped with a message.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 

@@ -162,13 +162,13 @@ pub(crate) struct Many {
     pub(crate) job: Option<String>,
     #[command(flatten)]
     pub(crate) filter: JobFilter,
-    /// Choose all your jobs
+    /// Select all your jobs
     #[arg(long, conflicts_with_all = ["state", "machine", "labels", "since"])]
     pub(crate) all: bool,
-    /// Print the ids of the jobs that the filter chooses, and change nothing
+    /// Print the ids of the jobs that the filter selects, and change nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
-    /// Do not ask for a confirmation; without a terminal, jobs of a filter are changed only with it
+    /// Skip the confirmation (required to change the jobs of a filter without a terminal)
     #[arg(long, short)]
     pub(crate) yes: bool,
     #[command(flatten)]

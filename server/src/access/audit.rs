@@ -91,7 +91,7 @@ impl Audit {
             let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
             match strangers.refused(peer.ip(), Instant::now()) {
                 None => return,
-                // The number of calls of all others is no matter of this address.
+                // The number of calls of all other addresses does not concern this address.
                 Some((None, before)) if before > 0 => {
                     drop(strangers);
                     self.left_out((None, before));

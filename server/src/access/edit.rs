@@ -1,8 +1,8 @@
 //! Changes to the file of identities.
 //!
 //! Invariants: a reader finds the old content or the new one, never a part; the new one has no error; everything that
-//! is not changed stays as its owner wrote it, comments too, and so do owner and mode of the file. A new file can be
-//! read by its owner only.
+//! is not changed stays as its owner wrote it, including comments, and so do owner and mode of the file. Only its owner
+//! can read a new file.
 
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -44,7 +44,7 @@ pub fn rows(path: &Path) -> Result<Vec<Row>, String> {
     named(path, read(path).and_then(|text| parsed(&text)).map(|document| tables(&document).map(Row::read).collect()))
 }
 
-/// Adds a row to a file, which is made if it is not there.
+/// Adds a row to a file, which is created if it does not exist.
 ///
 /// # Errors
 /// When the file cannot be read or written, or has an error.

@@ -14,7 +14,7 @@ use crate::output;
 const SHOWN: usize = 12;
 const FEWEST: usize = 8;
 const DAY_S: u64 = 86_400;
-/// How a change comes into force.
+/// How a change takes effect.
 const RELOAD: &str = "a running server reads the file on SIGHUP (systemctl reload counterpointd)";
 
 /// Commands for tokens.
@@ -88,7 +88,7 @@ impl TokenCommand {
     }
 }
 
-/// The file to work on.
+/// The file of identities to use.
 fn file<'a>(given: Option<&'a Path>, configured: &'a Path) -> Result<&'a Path, String> {
     let file = given.unwrap_or(configured);
     match file.as_os_str().is_empty() {

@@ -84,7 +84,7 @@ fn keep(core: &Core) -> Keep {
 }
 
 impl Core {
-    /// Stores the time by which jobs grow old, for the next server.
+    /// Stores the time by which jobs age, for the next server.
     pub(crate) fn keep_time(&self) {
         if self.options.embedded.ephemeral {
             return;

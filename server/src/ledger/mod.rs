@@ -236,10 +236,10 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// The use of a tenant.
     fn usage(&self, tenant: &str) -> Result<Usage, Refusal>;
 
-    /// The time by which jobs grow old when the ledger was opened, ms since 1970, as far as is known.
+    /// The time by which jobs age when the ledger was opened, ms since 1970, as far as is known.
     fn highest_ms(&self) -> i64;
 
-    /// Stores the time by which jobs grow old, from a thread that may block.
+    /// Stores the time by which jobs age, from a thread that may block.
     fn keep_highest(&self, ms: i64) -> Result<(), Refusal>;
 
     /// Number of this opening of the ledger: each is larger than the one before.

@@ -280,7 +280,7 @@ pub struct Record {
     /// Likewise; 0 = not ended.
     #[serde(default)]
     pub ended_ms: i64,
-    /// Time of its end by which it grows old: by the clock that never goes back; 0 = `ended_ms`.
+    /// Time of its end by which it ages: by the clock that never goes back; 0 = `ended_ms`.
     #[serde(default)]
     pub aging_ms: i64,
     /// Events in the log.
@@ -343,7 +343,7 @@ impl Record {
         self.aging_ms = clock.now_ms();
     }
 
-    /// Time from which it grows old after its end, ms.
+    /// Time from which it ages after its end, ms.
     pub(crate) fn ages_from(&self) -> i64 {
         if self.aging_ms == 0 { self.ended_ms } else { self.aging_ms }
     }

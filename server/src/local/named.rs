@@ -1,6 +1,6 @@
 //! Errors of the host that name their file and the remedy.
 //!
-//! *Invariant:* the kind of the error stays, and an error that has a text of its own is not changed.
+//! *Invariant:* the kind of the error is kept, and an error with its own text is not changed.
 
 use std::io::{self, ErrorKind};
 use std::path::Path;

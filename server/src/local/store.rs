@@ -85,7 +85,7 @@ impl Store {
         Ok(store)
     }
 
-    /// Takes a folder that is there, and changes nothing in it. For a repair it must be possible to write it.
+    /// Opens an existing folder and changes nothing in it. For a repair the folder must be writable.
     pub(crate) fn examine(root: PathBuf, repair: bool, disk: Disk) -> io::Result<Self> {
         if !root.is_dir() {
             return Err(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"));

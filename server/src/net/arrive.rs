@@ -1,7 +1,7 @@
 //! The request of a call, before the call takes a turn: a request that has not come needs no processor time.
 //!
-//! *Invariant:* no more than one message of the largest size is held; what the client sends after it is read by the
-//! service. A client that sends nothing for the time of `upload_stall_s` holds the call no longer.
+//! *Invariant:* no more than one message of the largest size is held; the service reads the data that follow it. A
+//! client that sends nothing for the time of `upload_stall_s` holds the call no longer.
 
 use std::collections::VecDeque;
 use std::future::poll_fn;

@@ -80,7 +80,7 @@ impl Gate {
         }
     }
 
-    /// Same now, at the end of the server of all.
+    /// Notes these calls now; at the end of the server, those of all addresses.
     pub(crate) fn note_all_left_out(&self, end: bool) {
         self.audit.iter().for_each(|audit| audit.note_left_out(end));
     }

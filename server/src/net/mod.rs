@@ -49,7 +49,7 @@ use held::Held;
 use pause::{Pause, Paused};
 pub(crate) use status::serve as monitor;
 
-/// Largest message in either direction, bytes; of a compressed one, as it is without compression.
+/// Largest message in either direction, bytes; for a compressed message, its size without compression.
 pub(crate) const MAX_MESSAGE: usize = 4 << 20;
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
 const FRAME: u32 = 128 * 1024;

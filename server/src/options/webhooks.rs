@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// A target that the server informs of the ends of jobs.
+/// A target that the server notifies when jobs end.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Webhook {
@@ -20,7 +20,7 @@ pub struct Webhook {
     /// States that are reported; empty = every end.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub states: Vec<String>,
-    /// Certificates of the authorities that the target's certificate may come from, PEM; absent = those of the system.
+    /// PEM file of the authorities that may issue the target's certificate; absent = those of the system.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ca_file: Option<PathBuf>,
 }

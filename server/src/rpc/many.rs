@@ -1,7 +1,7 @@
-//! `CancelJobs` and `DeleteJobs`: what the call for one job does, done for the jobs of a filter, page by page.
+//! `CancelJobs` and `DeleteJobs`: apply the call for one job to the jobs of a filter, page by page.
 //!
 //! Invariants: a call reaches jobs of its tenant only, a bounded number of them, and none that was accepted after the
-//! first page; it can be repeated after a failure. It goes on to its end if its client leaves.
+//! first page; it can be repeated after a failure. It runs to its end even if its client leaves.
 
 use std::sync::Arc;
 
@@ -17,12 +17,12 @@ use crate::jobs::filter::{ENDED, Filter, OPEN};
 use crate::ledger::{PAGE_BYTES, Query};
 use crate::reason::Refusal;
 
-/// Most jobs of a call.
+/// Maximum number of jobs in a call.
 const MOST: usize = 500;
-/// Jobs at the same time: they share commits of the ledger.
+/// Jobs in progress at the same time: they share commits of the ledger.
 const TOGETHER: usize = 32;
 
-/// Which jobs, in the fields of the request.
+/// The selection of jobs in the request.
 pub(super) struct Choice {
     pub(super) filter: Option<v1::JobFilter>,
     pub(super) all: bool,
@@ -31,7 +31,7 @@ pub(super) struct Choice {
     pub(super) page_token: String,
 }
 
-/// What is done to each job.
+/// Action on each job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Act {
     Cancel,
@@ -39,7 +39,7 @@ pub(super) enum Act {
 }
 
 impl Act {
-    /// Does it; whether it was done, as a job may have ended or may have been deleted since it was found.
+    /// Acts on one job. Returns `false` if the job has ended or was deleted since it was found.
     async fn on(self, core: &Arc<Core>, id: &str) -> Result<bool, Refusal> {
         let done = match self {
             Self::Cancel => core.cancel(id).await.map(|record| record.cancel),
@@ -70,7 +70,7 @@ fn filter(choice: &Choice, act: Act) -> Result<Filter, Refusal> {
     Ok(filter)
 }
 
-/// Acts on a page of jobs; their identities, and the token of the next page.
+/// Acts on a page of jobs; returns their ids and the token of the next page.
 pub(super) async fn each(
     core: &Arc<Core>,
     caller: &Caller,
@@ -98,14 +98,14 @@ pub(super) async fn each(
         return Ok((ids, next));
     }
     let span = tracing::info_span!("many jobs", act = ?act);
-    // Ends with the last job of the page, also if the client has gone.
+    // Ends with the last job of the page, even if the client has disconnected.
     let all = tokio::spawn(async move { act_on(&core, ids, act).await }.instrument(span));
     let (done, failed) = all.await.map_err(|error| Refusal::Storage(error.to_string()))?;
     caller.about_jobs(&done);
     failed.map_or(Ok((done, next)), Err)
 }
 
-/// Acts on jobs; those for which it was done, in their order, and the first failure.
+/// Acts on jobs; returns the changed ones, in their order, and the first failure.
 async fn act_on(core: &Arc<Core>, ids: Vec<String>, act: Act) -> (Vec<String>, Option<Refusal>) {
     let (mut done, mut failed) = (Vec::new(), None);
     for group in ids.chunks(TOGETHER) {

@@ -15,7 +15,7 @@ use crate::pace::Pace;
 
 static NOT_DELIVERED: Pace = Pace::new();
 
-/// How often and how long a message is tried.
+/// Times between attempts, and the limit after which a message is given up.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Retries {
     /// Longest time of an attempt.
@@ -44,7 +44,7 @@ pub(super) struct Deliveries {
 }
 
 impl Deliveries {
-    /// Delivers messages until no more can come.
+    /// Delivers messages until the queue is closed and empty.
     pub(super) async fn run(mut self, mut messages: mpsc::Receiver<Message>) {
         while let Some(message) = messages.recv().await {
             let outcome = self.deliver(&message).await;

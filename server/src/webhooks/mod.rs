@@ -1,9 +1,9 @@
 //! Webhooks: messages about the ends of jobs to targets that the administrator lists.
 //!
 //! One thread sends the messages of all targets; each target has its own bounded queue and order. Messages and their
-//! signatures follow the specification of Standard Webhooks. *Invariants:* no job waits for a target; a message that is
-//! not delivered is counted; a message goes only to a listed target and only about its tenants; nothing follows a
-//! redirect.
+//! signatures follow the Standard Webhooks specification. *Invariants:* no job waits for a target; a message that is
+//! not delivered is counted; a message goes only to a listed target and only about its tenants; no redirect is
+//! followed.
 
 mod delivery;
 mod endpoint;
@@ -28,7 +28,7 @@ use target::Target;
 
 /// Messages that may wait for one target.
 const WAITING: usize = 1000;
-/// Time that the messages left get when the server stops.
+/// Time for the remaining messages when the server stops.
 const CLOSING: Duration = Duration::from_secs(1);
 
 static DROPPED: Pace = Pace::new();
@@ -45,7 +45,7 @@ struct Line {
 pub(crate) struct Webhooks {
     lines: Mutex<Vec<Line>>,
     metrics: Arc<Metrics>,
-    /// Tells the thread that nothing more comes.
+    /// Signals the thread that no more messages come.
     closing: watch::Sender<bool>,
     /// Disconnected when the thread has ended.
     done: Mutex<Receiver<()>>,

@@ -42,7 +42,7 @@ async fn send(
     let mut answer = std::pin::pin!(sender.send_request(request));
     let answer = tokio::select! {
         answer = &mut answer => answer,
-        // The answer, or the reason why there is none, is there when the connection has ended.
+        // The answer, or the reason why there is none, is available when the connection has ended.
         _ = connection => answer.await,
     };
     answer.map(|answer| answer.status()).map_err(|e| e.to_string())

@@ -1,4 +1,4 @@
-//! A target: its address, its secret, and the jobs that it is informed of.
+//! A target: its address, its secret, and the jobs that it is notified about.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ impl Target {
         let all = webhook.tenants.iter().any(|tenant| tenant == "*");
         let wrong = webhook.tenants.iter().find(|tenant| *tenant != "*" && !tenant::is_tenant(tenant));
         match wrong {
-            Some(wrong) => return Err(format!("tenants: '{wrong}' is no name of a tenant ({}), nor *", tenant::RULE)),
+            Some(wrong) => return Err(format!("tenants: '{wrong}' is not a tenant name ({}), nor *", tenant::RULE)),
             None if webhook.tenants.is_empty() => return Err("tenants is empty; * stands for all".to_owned()),
             None => {}
         }
@@ -74,7 +74,7 @@ impl Target {
         })
     }
 
-    /// Whether the target is informed of the end of a job.
+    /// Whether the target is notified of the end of a job.
     pub(super) fn wants(&self, record: &Record) -> bool {
         let of_tenant = self.tenants.as_ref().is_none_or(|tenants| tenants.contains(&record.tenant));
         of_tenant && record.state.ended() && (self.states.is_empty() || self.states.contains(&record.state))

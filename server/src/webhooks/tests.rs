@@ -183,7 +183,7 @@ fn a_refused_message_and_a_redirect_are_not_sent_again() {
 
 #[test]
 fn a_target_hears_of_its_tenants_and_states_only_and_none_delays_another() {
-    // Nothing listens at the address of a listener that is gone.
+    // Nothing listens at the address of a closed listener.
     let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let (address, received) = target(&["200 OK", "200 OK"]);
     let table = Table::new().with("cell", &format!("http://{address}/"), &["a", "b"], &["FAILED", "CANCELLED"]).with(

@@ -282,7 +282,7 @@ async fn rows_that_damage_has_cut_off_are_saved_and_the_folder_of_a_lost_job_is_
     }
 }
 
-/// The rows of jobs that wait are in no file: their work and requests tell that they are lost.
+/// The rows of jobs that wait are in no file: their work and requests show that they are lost.
 #[tokio::test]
 async fn a_repair_names_the_jobs_that_are_lost_or_may_have_been_deleted() {
     let folder = tempfile::tempdir().unwrap();
@@ -317,7 +317,7 @@ async fn a_repair_names_the_jobs_that_are_lost_or_may_have_been_deleted() {
         assert!(line.is_some_and(|line| line.contains("submit it again")), "{request}: {text}");
     }
     assert_eq!(command(folder.path(), &[]).0, Some(0));
-    // Without its head, a ledger does not tell which of its rows were removed.
+    // Without its head, a ledger does not show which of its rows were removed.
     let mut headless = clean;
     headless[..4096].fill(0xaa);
     std::fs::write(&ledger, &headless).unwrap();

@@ -52,7 +52,7 @@ impl Codec for Dynamic {
     }
 }
 
-/// The contract, as the server tells it: the files of its services and all that they import.
+/// The contract as the server reports it: the files of its services and all their imports.
 async fn contract(connection: &Channel) -> DescriptorPool {
     use reflection::server_reflection_request::MessageRequest::{FileByFilename, FileContainingSymbol, ListServices};
     use reflection::server_reflection_response::MessageResponse;

@@ -1,4 +1,4 @@
-//! What takes no processor time takes no turn from others.
+//! Jobs and calls that use no processor time take no turn from others.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -119,14 +119,14 @@ pub(super) fn seal_files(txn: &WriteTransaction, store: &Store) -> Result<(), Re
     Ok(())
 }
 
-/// Stores the time by which jobs grow old.
+/// Stores the time by which jobs age.
 pub(super) fn keep_highest(txn: &WriteTransaction, ms: i64) -> Result<(), Refusal> {
     let ms = u64::try_from(ms).unwrap_or(0);
     txn.open_table(META).map_err(storage)?.insert("clock_ms", ms).map_err(storage)?;
     Ok(())
 }
 
-/// The highest time by which jobs grew old: as it was stored, or the end of the last job. 0: an early version has stored
+/// The highest time by which jobs aged: as it was stored, or the end of the last job. 0: an early version has stored
 /// none, and no job has ended later than now.
 pub(super) fn highest(txn: &WriteTransaction) -> Result<i64, Refusal> {
     let stored = txn.open_table(META).map_err(storage)?.get("clock_ms").map_err(storage)?.map(|row| row.value());

@@ -52,7 +52,7 @@ impl Place {
     /// Opens or creates the database.
     ///
     /// # Errors
-    /// Damage is lost data; trouble of the host is not.
+    /// Damage is lost data; a problem of the host is not.
     pub(super) fn open(&self) -> Result<Database, Refusal> {
         match self {
             Self::Memory => created(Database::builder(), redb::backends::InMemoryBackend::new()),
