@@ -153,7 +153,11 @@ impl Options {
         let given: toml::Table = toml::from_str(text)?;
         match given.keys().find(|name| !known.contains_key(*name)) {
             Some(name) => Err(serde::de::Error::custom(format!("there is no option '{name}'"))),
-            None => toml::from_str(text),
+            None => {
+                check_tables::<Tenant>(&given, "tenants")?;
+                check_tables::<Webhook>(&given, "webhooks")?;
+                toml::from_str(text)
+            }
         }
     }
 
@@ -184,6 +188,17 @@ impl Options {
             n => n,
         }
     }
+}
+
+/// Reads each table of a kind alone, so that an error names its table.
+fn check_tables<T: serde::de::DeserializeOwned>(given: &toml::Table, kind: &str) -> Result<(), toml::de::Error> {
+    for (name, table) in given.get(kind).and_then(toml::Value::as_table).into_iter().flatten() {
+        table
+            .clone()
+            .try_into::<T>()
+            .map_err(|error| serde::de::Error::custom(format!("[{kind}.{name}]: {}", error.to_string().trim())))?;
+    }
+    Ok(())
 }
 
 /// Flags and environment; options absent here come from the file or the defaults.
@@ -284,5 +299,8 @@ mod tests {
         assert_eq!(Options::parse(&options.to_toml()).unwrap(), options);
         let unknown = Options::parse("[tenants.cell]\nqueue = 9\n").unwrap_err().to_string();
         assert!(unknown.contains("queue") && unknown.contains("queued"), "{unknown}");
+        let hook =
+            Options::parse("queue = 3\n[webhooks.mes]\nurl = \"https://mes.example\"\n").unwrap_err().to_string();
+        assert!(hook.contains("[webhooks.mes]") && hook.contains("secret_file"), "{hook}");
     }
 }

@@ -1,11 +1,13 @@
 //! The request of a call, before the call takes a turn: a request that has not come needs no processor time.
 //!
-//! *Invariant:* no more than one message of the largest size is held; the service reads the data that follow it. A
+//! *Invariants:* no more than one message of the largest size is held, and beyond its first [`FREE`] bytes it counts in
+//! the memory budget until the service reads it; the service reads the data that follow it. A
 //! client that sends nothing for the time of `upload_stall_s` holds the call no longer.
 
 use std::collections::VecDeque;
 use std::future::poll_fn;
 use std::pin::Pin;
+use std::sync::Arc;
 use std::task::{Context, Poll};
 use std::time::Duration;
 
@@ -16,21 +18,34 @@ use tonic::Status;
 use tonic::body::Body;
 
 use crate::access::fair::Stay;
+use crate::memory::{Memory, Taken};
 use crate::reason::Refusal;
 
 /// Bytes before a message: a flag, and its length.
 const HEAD: usize = 5;
 
+/// Bytes of a request that need no place in the memory budget: requests that only look are smaller.
+const FREE: usize = 64 * 1024;
+
 /// The body of a request of which a part has come.
 pub(super) struct Arrived {
-    come: VecDeque<Bytes>,
+    /// Each frame with its part of the memory budget.
+    come: VecDeque<(Bytes, Option<Taken>)>,
     rest: Body,
     /// The call that lasts, whose data these are.
     stay: Option<Stay>,
 }
 
 /// Waits for the first message of a request, or for the end of the request.
-pub(super) async fn first_message(mut rest: Body, most: usize, stall: Duration) -> Result<Arrived, Refusal> {
+///
+/// # Errors
+/// The client sends nothing, or there is no memory for the message.
+pub(super) async fn first_message(
+    mut rest: Body,
+    most: usize,
+    stall: Duration,
+    memory: &Arc<Memory>,
+) -> Result<Arrived, Refusal> {
     let (mut come, mut head, mut bytes) = (VecDeque::new(), Vec::new(), 0);
     let mut until = Instant::now() + stall;
     loop {
@@ -47,7 +62,8 @@ pub(super) async fn first_message(mut rest: Body, most: usize, stall: Duration) 
             until = Instant::now() + stall;
             head.extend(data.iter().take(HEAD - head.len()));
             bytes += data.len();
-            come.push_back(data);
+            let taken = if bytes > FREE { Some(memory.take(data.len() as u64)?) } else { None };
+            come.push_back((data, taken));
         }
     }
     Ok(Arrived { come, rest, stay: None })
@@ -70,7 +86,7 @@ impl http_body::Body for Arrived {
     type Error = Status;
 
     fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, Status>>> {
-        if let Some(data) = self.come.pop_front() {
+        if let Some((data, _)) = self.come.pop_front() {
             return Poll::Ready(Some(Ok(Frame::data(data))));
         }
         let polled = Pin::new(&mut self.rest).poll_frame(cx);
@@ -129,7 +145,7 @@ mod tests {
         for part in [&[0, 0, 0][..], &[], &[0, 3, b'a', b'b'], b"c"] {
             send.send(part).unwrap();
         }
-        let arrived = first_message(body, MOST, HOUR).await.unwrap();
+        let arrived = first_message(body, MOST, HOUR, &Memory::new(0)).await.unwrap();
         send.send(b"next").unwrap();
         drop(send);
         assert_eq!(all(arrived).await, b"\0\0\0\0\x03abcnext");
@@ -141,11 +157,11 @@ mod tests {
             let (send, body) = body();
             send.send(part).unwrap();
             drop(send);
-            assert_eq!(all(first_message(body, MOST, HOUR).await.unwrap()).await, part);
+            assert_eq!(all(first_message(body, MOST, HOUR, &Memory::new(0)).await.unwrap()).await, part);
         }
         let (send, body) = body();
         send.send(b"\0\xff\xff\xff\xff").unwrap();
-        assert!(first_message(body, MOST, HOUR).await.is_ok(), "it is refused before it has come");
+        assert!(first_message(body, MOST, HOUR, &Memory::new(0)).await.is_ok(), "it is refused before it has come");
         drop(send);
     }
 
@@ -154,8 +170,27 @@ mod tests {
         let (send, body) = body();
         send.send(&[0, 0]).unwrap();
         send.send(&[]).unwrap();
-        let refused = first_message(body, MOST, Duration::from_millis(20)).await.err();
+        let refused = first_message(body, MOST, Duration::from_millis(20), &Memory::new(0)).await.err();
         assert_eq!(refused, Some(Refusal::CallStalled(0)));
         drop(send);
+    }
+
+    #[tokio::test]
+    async fn a_large_request_counts_in_the_memory_budget_until_it_is_read() {
+        static PART: [u8; 20_000] = [0; 20_000];
+        let memory = Memory::new(64_000);
+        let length = 5 * PART.len() as u32;
+        let request = || {
+            let (send, body) = body();
+            send.send(Box::leak(Box::new([&[0][..], &length.to_be_bytes()].concat()))).unwrap();
+            (0..5).for_each(|_| send.send(&PART).unwrap());
+            body
+        };
+        // 20,005 of its bytes are beyond the free ones of each request; jobs may have 56,000.
+        let first = first_message(request(), 1 << 20, HOUR, &memory).await.unwrap();
+        let second = first_message(request(), 1 << 20, HOUR, &memory).await.err();
+        assert_eq!(second, Some(Refusal::MemoryFull(64_000)));
+        assert_eq!(all(first).await.len(), 5 + 5 * PART.len());
+        assert!(first_message(request(), 1 << 20, HOUR, &memory).await.is_ok());
     }
 }

@@ -41,6 +41,7 @@ use tower_service::Service as _;
 use crate::access::{CertificateNames, calls};
 use crate::connections::{Call, Connection};
 use crate::jobs::Core;
+use crate::memory::Memory;
 use crate::places::Places;
 use crate::reason::Refusal;
 use arrive::{Arrived, first_message};
@@ -121,7 +122,8 @@ pub(crate) async fn serve(
                 let (closing, open) = (closing.clone(), connections.subscribe());
                 let info = TcpConnectInfo { local_addr: stream.local_addr().ok(), remote_addr: Some(peer) };
                 let (names, drain, pause) = (CertificateNames::default(), core.drain.follow(), Pause::default());
-                let peer = Peer { address: peer, info, names, gate, drain, pause };
+                let memory = core.memory().clone();
+                let peer = Peer { address: peer, info, names, gate, memory, drain, pause };
                 // Ends with the connection.
                 tokio::spawn(async move {
                     connection(stream, (peer, listed), routes, patience, closing).await;
@@ -182,6 +184,7 @@ struct Peer {
     info: TcpConnectInfo,
     names: CertificateNames,
     gate: Arc<Gate>,
+    memory: Arc<Memory>,
     drain: watch::Receiver<bool>,
     pause: Pause,
 }
@@ -314,7 +317,7 @@ async fn answer(
         let (parts, body) = request.map(Body::new).into_parts();
         let arrived = match calls::sends_many(&path) {
             true => Arrived::open(body),
-            false => match first_message(body, MAX_MESSAGE, stall).await {
+            false => match first_message(body, MAX_MESSAGE, stall, &peer.memory).await {
                 Ok(arrived) => arrived,
                 Err(refusal) => return Ok(Status::from(refusal).into_http()),
             },

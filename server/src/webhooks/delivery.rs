@@ -1,6 +1,7 @@
 //! The messages of one target, in their order, until each is delivered or given up.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use tokio::sync::{mpsc, watch};
@@ -50,6 +51,7 @@ impl Deliveries {
             let outcome = self.deliver(&message).await;
             self.metrics.webhook(&self.target.name, outcome);
             self.metrics.webhooks_waiting(&self.target.name, -1);
+            self.target.waiting.fetch_sub(1, Ordering::Relaxed);
         }
     }
 
@@ -84,12 +86,7 @@ impl Deliveries {
     fn report(&self, message: &Message, reason: &str) {
         if let Some(left_out) = NOT_DELIVERED.pass() {
             let target = &self.target.name;
-            tracing::warn!(
-                target_name = target,
-                message = message.id,
-                left_out,
-                "a webhook is not delivered: {reason}"
-            );
+            tracing::warn!(webhook = target, id = message.id, left_out, "a webhook is not delivered: {reason}");
         }
     }
 }

@@ -29,6 +29,10 @@ impl Endpoint {
         if authority.as_str().contains('@') {
             return Err("url must not contain a user or a password; messages are signed with the secret".to_owned());
         }
+        let port = authority.as_str().get(authority.host().len()..).unwrap_or_default();
+        if !port.is_empty() && authority.port_u16().is_none() {
+            return Err(format!("url '{url}': '{port}' is not a port; a port is 1 to 65535"));
+        }
         let host = authority.host().trim_start_matches('[').trim_end_matches(']').to_owned();
         if !encrypted && !insecure && !is_this_computer(&host) {
             return Err(format!("url '{url}' is not encrypted: use https, or a target on this computer"));
@@ -63,6 +67,8 @@ mod tests {
             ("mes.example", "expected https"),
             ("https://user:pass@mes.example/", "password"),
             ("https:///x", "expected https"),
+            ("http://127.0.0.1:99999/", "':99999' is not a port"),
+            ("https://mes.example:/", "':' is not a port"),
         ] {
             let error = read(url).unwrap_err();
             assert!(error.contains(reason) && !error.contains("user:pass"), "{url}: {error}");

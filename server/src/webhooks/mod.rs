@@ -12,6 +12,7 @@ mod post;
 mod target;
 
 use std::collections::BTreeMap;
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -104,33 +105,39 @@ impl Webhooks {
     pub(crate) fn ended(&self, record: &Record) {
         let lines = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
         for line in lines.iter().filter(|line| line.target.wants(record)) {
-            if line.messages.try_send(Message::of(record)).is_err() {
-                self.metrics.webhook(&line.target.name, WebhookOutcome::Dropped);
-                if let Some(left_out) = DROPPED.pass() {
-                    let target = &line.target.name;
-                    tracing::warn!(
-                        target_name = target,
-                        left_out,
-                        "a webhook is dropped: too many wait for its target"
-                    );
-                }
-            } else {
-                self.metrics.webhooks_waiting(&line.target.name, 1);
+            let name = &line.target.name;
+            // Before the message is sent, so the thread never counts below zero.
+            line.target.waiting.fetch_add(1, Ordering::Relaxed);
+            self.metrics.webhooks_waiting(name, 1);
+            if line.messages.try_send(Message::of(record)).is_ok() {
+                continue;
+            }
+            line.target.waiting.fetch_sub(1, Ordering::Relaxed);
+            self.metrics.webhooks_waiting(name, -1);
+            self.metrics.webhook(name, WebhookOutcome::Dropped);
+            if let Some(left_out) = DROPPED.pass() {
+                tracing::warn!(webhook = name, left_out, "a webhook is dropped: too many wait for its target");
             }
         }
     }
 
-    /// Takes no more messages, and tries each remaining one once for a moment.
+    /// Takes no more messages, and tries each remaining one once, all within a second.
     pub(crate) fn close(&self) {
         let lines = std::mem::take(&mut *self.lines.lock().unwrap_or_else(PoisonError::into_inner));
         if lines.is_empty() {
             return;
         }
-        drop(lines);
+        let targets: Vec<_> = lines.into_iter().map(|line| line.target).collect();
         self.closing.send_replace(true);
         let done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
         if done.recv_timeout(CLOSING) == Err(RecvTimeoutError::Timeout) {
-            tracing::warn!("the server stops before all webhooks are delivered");
+            for target in &targets {
+                let messages = target.waiting.load(Ordering::Relaxed);
+                if messages > 0 {
+                    let webhook = &target.name;
+                    tracing::warn!(webhook, messages, "the server stops before these webhooks are delivered");
+                }
+            }
         }
     }
 }

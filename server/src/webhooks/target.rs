@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -30,6 +31,8 @@ pub(super) struct Target {
     pub(super) endpoint: Endpoint,
     /// Encrypts connections, with the name that the certificate must have.
     pub(super) tls: Option<(TlsConnector, ServerName<'static>)>,
+    /// Messages that wait or are being sent.
+    pub(super) waiting: AtomicUsize,
     secret: hmac::Key,
     /// Tenants; none = all.
     tenants: Option<Vec<String>>,
@@ -63,11 +66,16 @@ impl Target {
                 None => return Err(format!("states: '{state}' ends no job; expected SUCCEEDED, FAILED or CANCELLED")),
             }
         }
-        let tls = if endpoint.encrypted { Some(connector(webhook.ca_file.as_deref(), &endpoint.host)?) } else { None };
+        let tls = match (endpoint.encrypted, webhook.ca_file.as_deref()) {
+            (true, ca_file) => Some(connector(ca_file, &endpoint.host)?),
+            (false, None) => None,
+            (false, Some(_)) => return Err("ca_file is for https, and url is not encrypted".to_owned()),
+        };
         Ok(Self {
             name: name.to_owned(),
             endpoint,
             tls,
+            waiting: AtomicUsize::new(0),
             secret: secret(&webhook.secret_file)?,
             tenants: (!all).then(|| webhook.tenants.clone()),
             states,
@@ -92,6 +100,9 @@ fn secret(path: &Path) -> Result<hmac::Key, String> {
     let shown = path.display();
     let text = std::fs::read_to_string(path).map_err(|error| format!("secret_file '{shown}': {error}"))?;
     let text = text.trim();
+    if text.contains(['\n', '\r']) {
+        return Err(format!("secret_file '{shown}' has several lines; expected one"));
+    }
     let bytes = match text.strip_prefix(ENCODED) {
         Some(encoded) => {
             STANDARD.decode(encoded).map_err(|error| format!("secret_file '{shown}': after {ENCODED}: {error}"))?

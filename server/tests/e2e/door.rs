@@ -95,6 +95,7 @@ async fn every_text_of_every_request_has_a_limit_that_its_refusal_names() {
             "Jobs/WaitJob" WaitJobRequest.job_id, "Jobs/CancelJob" CancelJobRequest.job_id,
             "Jobs/PauseJob" PauseJobRequest.job_id, "Jobs/ResumeJob" ResumeJobRequest.job_id,
             "Jobs/DeleteJob" DeleteJobRequest.job_id, "Jobs/ListJobs" ListJobsRequest.page_token,
+            "Jobs/CancelJobs" CancelJobsRequest.page_token, "Jobs/DeleteJobs" DeleteJobsRequest.page_token,
             "Jobs/SubmitJob" SubmitJobRequest.request_id, "Jobs/RerunJob" RerunJobRequest.request_id,
             "Machines/GetMachine" GetMachineRequest.name, "Machines/PutMachine" PutMachineRequest.name,
             "Machines/CheckMachine" CheckMachineRequest.name, "Machines/DeleteMachine" DeleteMachineRequest.name,
@@ -144,10 +145,15 @@ async fn filters(door: &mut Door<'_>, bad: &str) {
     for (text, filter) in filters {
         let field = format!("filter.{}", text.split('.').next().unwrap());
         let text = format!("JobFilter.{text}");
-        let list = v1::ListJobsRequest { filter: Some(filter.clone()), ..Default::default() };
+        let filter = Some(filter);
+        let list = v1::ListJobsRequest { filter: filter.clone(), ..Default::default() };
         door.refuses("Jobs/ListJobs", list, &text, &field).await;
-        let watch = v1::WatchJobsRequest { filter: Some(filter), ..Default::default() };
+        let watch = v1::WatchJobsRequest { filter: filter.clone(), ..Default::default() };
         door.refuses("Jobs/WatchJobs", watch, &text, &field).await;
+        let cancel = v1::CancelJobsRequest { filter: filter.clone(), ..Default::default() };
+        door.refuses("Jobs/CancelJobs", cancel, &text, &field).await;
+        let delete = v1::DeleteJobsRequest { filter, ..Default::default() };
+        door.refuses("Jobs/DeleteJobs", delete, &text, &field).await;
     }
 }
 

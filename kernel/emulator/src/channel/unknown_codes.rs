@@ -10,12 +10,19 @@ use super::components::Component;
 use super::unknown::shortened;
 
 impl<'a> Kernel<'a> {
+    /// `machine fanuc-mill`, with the active component of a composite.
+    pub(crate) fn machine_text(&self) -> String {
+        let machine = &self.channel.env.whole.name;
+        match self.components.current() {
+            None => format!("machine {machine}"),
+            Some(current) => format!("component {} of machine {machine}", current.designator),
+        }
+    }
+
     /// `machine fanuc-mill has no G411`, with the component of a composite that has the code.
     pub(super) fn lacks(&self, text: &str) -> String {
-        let machine = &self.channel.env.whole.name;
-        let Some(current) = self.components.current() else { return format!("machine {machine} has no {text}") };
-        let lacks = format!("component {} of machine {machine} has no {text}", current.designator);
-        match self.component_with(text) {
+        let lacks = format!("{} has no {text}", self.machine_text());
+        match self.components.current().and_then(|_| self.component_with(text)) {
             Some(other) => format!("{lacks} (component {} has it)", other.designator),
             None => lacks,
         }

@@ -60,11 +60,11 @@ impl Kernel<'_> {
         let word =
             word.map_or_else(|| "the speed".to_owned(), |word| self.span_text((word.start, word.end)).to_owned());
         let text = format!(
-            "{word} beside {function} in '{}': {function} has no effect on machine {} and may turn another spindle, so \
+            "{word} beside {function} in '{}': {function} has no effect on {} and may turn another spindle, so \
              no spindle takes the speed; make {function} a spindle code of the machine, or give its row \
              `turns_no_spindle = true`",
             self.block_text(),
-            machine.name
+            self.machine_text()
         );
         Err(self.alarm(&diag::SPEED_OF_FUNCTION, text))
     }
