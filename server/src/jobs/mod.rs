@@ -336,26 +336,44 @@ impl Core {
 
     /// Cancels a job: durable first, then in memory.
     pub(crate) async fn cancel(self: &Arc<Self>, id: &str) -> Result<Record, Refusal> {
-        let Some(live) = self.live(id) else { return self.job(id) };
+        self.cancel_first(id).await.map(|(record, _)| record)
+    }
+
+    /// Does the same, and says whether the job had not ended and no other call had requested its cancel before.
+    pub(crate) async fn cancel_first(self: &Arc<Self>, id: &str) -> Result<(Record, bool), Refusal> {
+        let Some(live) = self.live(id) else { return Ok((self.job(id)?, false)) };
         let waiting = self.withdraw(id);
-        let record = live.change(|record| record.cancel |= !record.state.ended());
+        let mut first = false;
+        let record = live.change(|record| {
+            first = !record.state.ended() && !record.cancel;
+            record.cancel |= !record.state.ended();
+        });
         if record.state.ended() {
-            return Ok(record);
+            return Ok((record, false));
         }
+        let forget = || {
+            live.change(|record| record.cancel = false);
+        };
         if waiting {
-            return self.end_cancelled(&live, record).await.inspect_err(|_| {
-                live.change(|record| record.cancel = false);
+            let ended = self.end_cancelled(&live, record).await.inspect_err(|_| {
+                forget();
                 self.put_back(&live);
             });
+            return Ok((ended?, first));
         }
-        self.ledger.flag_cancel(id.to_owned()).await?;
+        self.ledger.flag_cancel(id.to_owned()).await.inspect_err(|_| {
+            if first {
+                forget();
+            }
+        })?;
         live.cancel();
         if self.withdraw(id) {
             // A pause has taken it from its worker meanwhile.
-            return self.end_cancelled(&live, live.record()).await.inspect_err(|_| self.put_back(&live));
+            let ended = self.end_cancelled(&live, live.record()).await.inspect_err(|_| self.put_back(&live));
+            return Ok((ended?, first));
         }
         self.changed(&live);
-        Ok(live.record())
+        Ok((live.record(), first))
     }
 
     /// Ends a job that was withdrawn, because it was cancelled.

@@ -42,7 +42,7 @@ impl Act {
     /// Acts on one job. Returns `false` if the job has ended or was deleted since it was found.
     async fn on(self, core: &Arc<Core>, id: &str) -> Result<bool, Refusal> {
         let done = match self {
-            Self::Cancel => core.cancel(id).await.map(|record| record.cancel),
+            Self::Cancel => core.cancel_first(id).await.map(|(_, first)| first),
             Self::Delete => core.delete(id).await.map(|()| true),
         };
         match done {

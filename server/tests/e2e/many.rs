@@ -162,3 +162,24 @@ async fn a_call_for_many_jobs_reaches_those_of_its_tenant_and_the_audit_log_name
     ];
     assert_eq!(rows, expected);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn two_calls_at_the_same_time_cancel_each_job_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let running = server.submit("running", "EVENTS 5\nHANG").await;
+    server.until_events(&running, 5).await;
+    let mut jobs = Vec::new();
+    for number in 0..60 {
+        jobs.push(server.submit(&format!("waiting-{number}"), "EVENTS 1").await);
+    }
+    let (one, other) = tokio::join!(
+        cancel_all(&server, cancel(in_states(&[Queued]))),
+        cancel_all(&server, cancel(in_states(&[Queued])))
+    );
+    let mut cancelled = [one, other].concat();
+    cancelled.sort_unstable();
+    assert_eq!(cancelled, jobs);
+    server.jobs().cancel_job(v1::CancelJobRequest { job_id: running }).await.unwrap();
+    server.stop().await;
+}
