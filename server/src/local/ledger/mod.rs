@@ -29,7 +29,7 @@ use bytes::Bytes;
 use counterpoint_kernel::dialog::answers::Answer;
 use redb::{ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 use tokio::sync::{mpsc, oneshot, watch};
-use uuid::Uuid;
+use uuid::{NoContext, Timestamp, Uuid};
 
 use super::contained::contained;
 use super::store::Store;
@@ -242,7 +242,8 @@ impl Ledger for LocalLedger {
                 return same(txn, known, &record, &work);
             }
             check(&work)?;
-            let now = Uuid::now_v7();
+            // `Uuid::now_v7` would keep the time of a clock that was ahead once.
+            let now = Uuid::new_v7(Timestamp::now(NoContext));
             (record.id, record.submitted_ms) = (next_id(txn, now)?, time_of(now));
             put(txn, &record)?;
             works::put(txn, &record.id, &work)?;
