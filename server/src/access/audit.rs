@@ -9,13 +9,14 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::Instant;
 
 use serde::Serialize;
 use tonic::Code;
 
 use super::strangers::{LeftOut, Strangers};
 use super::{Caller, Role, calls};
+use crate::clock::now_ms;
 
 /// Most bytes of the path of a call.
 const CALL: usize = 128;
@@ -31,7 +32,7 @@ pub(crate) struct Audit {
 
 #[derive(Serialize)]
 struct Line<'a> {
-    time_ms: u128,
+    time_ms: i64,
     /// Of several calls without lines, the address or network alone.
     peer: &'a str,
     identity: Option<&'a str>,
@@ -49,10 +50,6 @@ struct Line<'a> {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
 fn is_zero(number: &u64) -> bool {
     *number == 0
-}
-
-fn now_ms() -> u128 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_millis())
 }
 
 fn open(path: &Path) -> std::io::Result<File> {

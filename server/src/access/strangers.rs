@@ -47,10 +47,14 @@ impl Strangers {
         Some((key, std::mem::take(&mut calls.left_out)))
     }
 
-    /// Forgets the addresses of earlier minutes, or all at an end; those whose calls have been left out are returned.
+    /// Forgets the addresses of earlier minutes, or all at an end; returns those whose calls have been left out, by
+    /// address.
     pub(super) fn forget(&mut self, now: Instant, all: bool) -> Vec<LeftOut> {
         let gone = self.0.extract_if(|_, calls| all || now.duration_since(calls.since) >= SPAN);
-        gone.filter(|(_, calls)| calls.left_out > 0).map(|(address, calls)| (address, calls.left_out)).collect()
+        let left_out = gone.filter(|(_, calls)| calls.left_out > 0).map(|(address, calls)| (address, calls.left_out));
+        let mut left_out: Vec<LeftOut> = left_out.collect();
+        left_out.sort_unstable();
+        left_out
     }
 }
 
@@ -86,8 +90,7 @@ mod tests {
             noted += (0..200).filter(|_| strangers.refused(address(number), now).is_some()).count() as u64;
         }
         assert_eq!(strangers.forget(now, false), [], "their minute is not over");
-        let mut left_out = strangers.forget(now + SPAN, false);
-        left_out.sort_unstable();
+        let left_out = strangers.forget(now + SPAN, false);
         assert_eq!(left_out, [(None, 50_400 - noted - 191), (Some(address(7)), 191)]);
         assert!(strangers.0.is_empty());
     }

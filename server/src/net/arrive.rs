@@ -1,8 +1,8 @@
 //! The request of a call, before the call takes a turn: a request that has not come needs no processor time.
 //!
 //! *Invariants:* no more than one message of the largest size is held, and beyond its first [`FREE`] bytes it counts in
-//! the memory budget until the service reads it; the service reads the data that follow it. A
-//! client that sends nothing for the time of `upload_stall_s` holds the call no longer.
+//! the memory budget until the service reads it; the service reads the data that follow it. A client that sends nothing
+//! for the time of `upload_stall_s` holds the call no longer.
 
 use std::collections::VecDeque;
 use std::future::poll_fn;

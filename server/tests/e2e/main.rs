@@ -31,7 +31,6 @@ mod find;
 mod flips;
 mod floods;
 mod folder;
-mod grpcurl;
 mod guard;
 mod guarded;
 mod gzip;

@@ -20,22 +20,22 @@ impl Kernel<'_> {
     /// The alarm of a speed that may be that of another spindle.
     #[cold]
     pub(super) fn speed_before_codes(&mut self) -> Acted {
-        let (mut moves, mut function) = (false, None);
+        let (mut moves, mut modes, mut function) = (false, false, None);
         for pending in &self.channel.block.pending {
             let row = &self.channel.env.machine.codes[pending.row];
             let takes = matches!(row.id.kind(), CodeKind::Spindle { .. }) || row.id == codes::SPINDLE_MAXRPM;
             if takes || self.plan.hooks.is_some() && self.matching_code_macro(row.id).is_some() {
                 return Ok(());
             }
+            modes |= matches!(row.id, codes::SPINDLE_CSS | codes::SPINDLE_RPM);
             moves |= matches!(row.group, group::MOTION | group::CYCLE);
             function = function.or_else(|| self.function_without_effect(row).then_some(*pending));
         }
         if let Some(pending) = function.filter(|_| self.channel.env.machine.habits.guards_speed) {
             return self.refuse_speed(pending.value);
         }
-        let by_code =
-            |id| self.channel.block.pending.iter().any(|pending| self.channel.env.machine.codes[pending.row].id == id);
-        if !moves || by_code(codes::SPINDLE_CSS) || by_code(codes::SPINDLE_RPM) {
+        // G96 and G97 take the speed themselves.
+        if !moves || modes {
             return Ok(());
         }
         (self.plan.actions.speed_word)(self)
