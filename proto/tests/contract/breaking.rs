@@ -1,7 +1,8 @@
 //! Changes that clients of an older contract would notice.
 
 use prost_types::{
-    DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, FileDescriptorSet, MethodDescriptorProto,
+    DescriptorProto, EnumDescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet,
+    MethodDescriptorProto,
 };
 
 /// Compares two items of one number or name.
@@ -102,6 +103,11 @@ pub(super) fn findings(before: &FileDescriptorSet, now: &FileDescriptorSet) -> V
         };
         same(&mut out, name, "package", old.package(), new.package());
         same(&mut out, name, "syntax", old.syntax(), new.syntax());
+        let of_go = |file: &FileDescriptorProto| file.options.as_ref().and_then(|options| options.go_package.clone());
+        // Programs in Go import this path. Without one they had to choose it themselves.
+        if let Some(path) = of_go(old) {
+            same(&mut out, name, "go_package", Some(path), of_go(new));
+        }
         for old in &old.message_type {
             let name = format!("{}.{}", new.package(), old.name());
             match new.message_type.iter().find(|new| new.name() == old.name()) {

@@ -4,6 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use prost_types::{DescriptorProto, EnumDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 
+/// The import path of the whole contract in Go: the folder of its files, which no move of the repository changes.
+const GO_PACKAGE: &str = "counterpoint/v1;counterpointv1";
+
 /// The findings of the rules in a file.
 struct Findings<'f> {
     file: &'f FileDescriptorProto,
@@ -65,6 +68,8 @@ impl Findings<'_> {
             "has a public or weak import",
         );
         self.check(file.syntax() == "proto3", "it", "is not proto3");
+        let of_go = file.options.as_ref().map_or("", |options| options.go_package());
+        self.check(of_go == GO_PACKAGE, "go_package", "is not that of the other files");
         for (at, message) in (0..).zip(&file.message_type) {
             self.message(message, vec![4, at]);
         }

@@ -63,6 +63,7 @@ fn what_breaks_clients_is_found() {
     one(found(|file| file.message_type[0].field[0].name = Some("other".to_owned())), "name");
     one(found(|file| file.message_type[0].field[0].set_type(prost_types::field_descriptor_proto::Type::Bool)), "type");
     one(found(|file| file.enum_type[0].value[1].name = Some("PHASE_OTHER".to_owned())), "name");
+    one(found(|file| file.options = None), "go_package");
     let jobs = |change: fn(&mut prost_types::MethodDescriptorProto)| {
         let mut now = contract();
         let file = now.file.iter_mut().find(|file| file.name() == "counterpoint/v1/jobs.proto").unwrap();
@@ -92,6 +93,7 @@ fn what_is_not_written_by_the_rules_is_found() {
     some(found(phase), "PHASE_");
     some(found(|file| file.enum_type[0].value[0].name = Some("PHASE_NONE".to_owned())), "_UNSPECIFIED");
     some(found(|file| file.package = Some("counterpoint".to_owned())), "version");
+    some(found(|file| file.options = None), "go_package");
     some(found(|file| file.source_code_info = None), "comment");
     let mut set = contract();
     let file = set.file.iter_mut().find(|file| file.name() == "counterpoint/v1/jobs.proto").unwrap();

@@ -32,6 +32,7 @@ pub(crate) const CALLS: &[(&str, &str, Role)] = &[
     ("counterpoint.v1.Jobs", "DeleteJobs", Role::Submit),
     ("counterpoint.v1.Blobs", "FindMissing", Role::Submit),
     ("counterpoint.v1.Blobs", "Upload", Role::Submit),
+    ("counterpoint.v1.Blobs", "PutBlob", Role::Submit),
     ("counterpoint.v1.Blobs", "Download", Role::Read),
     ("counterpoint.v1.Machines", "PutMachine", Role::Submit),
     ("counterpoint.v1.Machines", "GetMachine", Role::Read),
@@ -47,6 +48,8 @@ pub(crate) const CALLS: &[(&str, &str, Role)] = &[
     ("counterpoint.v1.Results", "ListFiles", Role::Read),
     ("counterpoint.v1.Results", "GetFile", Role::Read),
     ("counterpoint.v1.Operator", "Attend", Role::Operate),
+    ("counterpoint.v1.Operator", "WatchQuestions", Role::Operate),
+    ("counterpoint.v1.Operator", "AnswerQuestion", Role::Operate),
     ("counterpoint.v1.Operator", "Debug", Role::Operate),
     ("counterpoint.v1.Admin", "ListConnections", Role::Admin),
     ("counterpoint.v1.Admin", "ListStreams", Role::Admin),
@@ -62,7 +65,7 @@ pub(crate) fn name(path: &str) -> &'static str {
 }
 
 /// Calls that are answered when the client or a job has done something, and streams that follow a job.
-const LASTING: &[&str] = &["WatchJob", "WaitJob", "Upload", "Attend", "Debug"];
+const LASTING: &[&str] = &["WatchJob", "WaitJob", "Upload", "Attend", "WatchQuestions", "Debug"];
 
 /// Calls whose clients send messages as long as they last.
 const SENDING: &[&str] = &["Upload", "Attend", "Debug", "other"];

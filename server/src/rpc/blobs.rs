@@ -13,6 +13,9 @@ use tonic::{Request, Response, Status, Streaming};
 use super::door::{chunk as within, enter};
 use super::{Blobs, CHUNK, Chunk, blocking, stream};
 use crate::access::Caller;
+use crate::blobs::{Receiver, digest};
+use crate::jobs::Core;
+use crate::jobs::shares::Growing;
 use crate::reason::Refusal;
 
 impl Chunk for v1::DownloadResponse {
@@ -25,6 +28,24 @@ impl Chunk for v1::DownloadResponse {
 async fn next(chunks: &mut Streaming<v1::UploadRequest>, patience: u64) -> Result<Option<v1::UploadRequest>, Status> {
     let chunk = tokio::time::timeout(Duration::from_secs(patience), chunks.next()).await;
     chunk.map_err(|_| Refusal::UploadStalled(patience))?.transpose()
+}
+
+/// Begins to receive a content with its first chunk, within the quotas of its tenant. May block.
+fn begin(core: &Core, tenant: &str, first: &v1::UploadRequest) -> Result<(Box<dyn Receiver>, Growing), Refusal> {
+    let blobs = core.blobs.of(tenant);
+    core.room()?;
+    // A content that is there already takes nothing more of the quota; it cannot be larger than it is.
+    let stored = blobs.offers(&first.digest).then(|| blobs.size(&first.digest));
+    let stored = stored.filter(|stored| first.size.is_none_or(|size| size == *stored));
+    let mut growing = if stored.is_some() { core.not_growing(tenant) } else { core.growing(tenant) };
+    if stored.is_none() {
+        core.within_quotas(tenant)?;
+        core.has_room_for(tenant, first.size.unwrap_or(0))?;
+    }
+    let mut receiver = blobs.receive(&first.digest, first.size.or(stored))?;
+    core.grow(&mut growing, first.data.len() as u64)?;
+    receiver.chunk(&first.data)?;
+    Ok((receiver, growing))
 }
 
 #[tonic::async_trait]
@@ -49,25 +70,10 @@ impl Service for Blobs {
         let mut chunks = request.into_inner();
         let first = next(&mut chunks, patience).await?.unwrap_or_default();
         within(&first.data)?;
-        let (blobs, digest) = (self.0.blobs.of(caller.tenant()), first.digest.clone());
+        let digest = first.digest.clone();
         caller.about(&digest);
         let (core, tenant) = (self.0.clone(), caller.tenant().to_owned());
-        let (mut receiver, mut growing) = blocking(move || {
-            core.room()?;
-            // A content that is there already takes nothing more of the quota; it cannot be larger than it is.
-            let stored = blobs.offers(&first.digest).then(|| blobs.size(&first.digest));
-            let stored = stored.filter(|stored| first.size.is_none_or(|size| size == *stored));
-            let mut growing = if stored.is_some() { core.not_growing(&tenant) } else { core.growing(&tenant) };
-            if stored.is_none() {
-                core.within_quotas(&tenant)?;
-                core.has_room_for(&tenant, first.size.unwrap_or(0))?;
-            }
-            let mut receiver = blobs.receive(&first.digest, first.size.or(stored))?;
-            core.grow(&mut growing, first.data.len() as u64)?;
-            receiver.chunk(&first.data)?;
-            Ok((receiver, growing))
-        })
-        .await?;
+        let (mut receiver, mut growing) = blocking(move || begin(&core, &tenant, &first)).await?;
         while let Some(chunk) = next(&mut chunks, patience).await? {
             within(&chunk.data)?;
             if receiver.in_memory() {
@@ -85,6 +91,22 @@ impl Service for Blobs {
         let size = blocking(move || receiver.finish()).await?;
         drop(growing);
         Ok(Response::new(v1::UploadResponse { digest, size }))
+    }
+
+    async fn put_blob(&self, request: Request<v1::PutBlobRequest>) -> Result<Response<v1::PutBlobResponse>, Status> {
+        let (caller, v1::PutBlobRequest { data }) = enter(request)?;
+        let (core, tenant) = (self.0.clone(), caller.tenant().to_owned());
+        let stored = blocking(move || {
+            let (digest, size) = (digest(&data), data.len() as u64);
+            let (receiver, growing) =
+                begin(&core, &tenant, &v1::UploadRequest { digest: digest.clone(), data, size: Some(size) })?;
+            receiver.finish()?;
+            drop(growing);
+            Ok(v1::PutBlobResponse { digest, size })
+        })
+        .await?;
+        caller.about(&stored.digest);
+        Ok(Response::new(stored))
     }
 
     type DownloadStream = ReceiverStream<Result<v1::DownloadResponse, Status>>;

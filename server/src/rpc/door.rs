@@ -136,7 +136,7 @@ fn trace(field: &str, text: &str) -> Result<(), Refusal> {
 
 /// A chunk of an upload.
 pub(super) fn chunk(data: &[u8]) -> Result<(), Refusal> {
-    let rule = || format!("must have at most {UPLOAD} bytes in a chunk: divide the content");
+    let rule = || format!("must have at most {UPLOAD} bytes in a message: send the content with Upload, in chunks");
     if data.len() <= UPLOAD { Ok(()) } else { Err(Refusal::field("data", rule())) }
 }
 
@@ -199,6 +199,20 @@ bounded! {
     ListMachinesRequest { page_token: machine }
     DeleteMachineRequest { name: machine }
     DownloadRequest { digest: digest }
+    WatchQuestionsRequest { job_id: id }
+}
+
+impl Bounded for v1::PutBlobRequest {
+    fn bounded(&self) -> Result<(), Refusal> {
+        chunk(&self.data)
+    }
+}
+
+impl Bounded for v1::AnswerQuestionRequest {
+    fn bounded(&self) -> Result<(), Refusal> {
+        id("job_id", &self.job_id)?;
+        self.answer.as_ref().map_or(Ok(()), |given| answer("answer", given))
+    }
 }
 
 impl Bounded for v1::FindMissingRequest {

@@ -1,4 +1,4 @@
-//! Service `Operator`: one client that attends one job; `Debug` is in a separate file.
+//! Service `Operator`: clients that attend a job, with a stream of their own or without; `Debug` is in a separate file.
 //!
 //! Invariant: an answer is in the ledger before the kernel gets it, so a run that dies is run again with it.
 
@@ -12,21 +12,27 @@ use counterpoint_proto::v1::attend_response::Content;
 use counterpoint_proto::v1::operator_server::Operator as Service;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
+use tokio_stream::{Stream, StreamExt as _};
 use tonic::{Request, Response, Status, Streaming};
 use tracing::Instrument as _;
 
 use super::{Operator, door, job, submit};
+use crate::Record;
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::status;
 use crate::jobs::live::Live;
 use crate::reason::Refusal;
 
-type Out = mpsc::Sender<Result<v1::AttendResponse, Status>>;
+type Heard = Result<v1::AttendResponse, Status>;
+/// Messages to a client that only watches.
+type Questions =
+    tokio_stream::adapters::Map<ReceiverStream<Heard>, fn(Heard) -> Result<v1::WatchQuestionsResponse, Status>>;
 
 #[tonic::async_trait]
 impl Service for Operator {
-    type AttendStream = ReceiverStream<Result<v1::AttendResponse, Status>>;
+    type AttendStream = ReceiverStream<Heard>;
+    type WatchQuestionsStream = Questions;
     type DebugStream = super::debug::Answers;
 
     async fn attend(
@@ -38,20 +44,30 @@ impl Service for Operator {
             return Err(Refusal::field("content", "the first message must name the job (job_id)").into());
         };
         door::id("job_id", &id)?;
-        let record = job(&self.0, &caller, &id)?;
-        if !record.attended {
-            return Err(Refusal::NotAttended(id).into());
-        }
-        let (send, receive) = mpsc::channel(4);
-        match self.0.live(&id) {
-            None => drop(send.try_send(Ok(message(Content::Ended(status(record)))))),
-            Some(live) => {
-                let span = tracing::info_span!("attend", job = id);
-                let attend = Attend { core: self.0.clone(), live, shown: BTreeSet::new(), send };
-                tokio::spawn(attend.run(said).instrument(span));
-            }
-        }
-        Ok(Response::new(ReceiverStream::new(receive)))
+        Ok(Response::new(attend(&self.0, &caller, &id, said)?))
+    }
+
+    async fn watch_questions(
+        &self,
+        request: Request<v1::WatchQuestionsRequest>,
+    ) -> Result<Response<Self::WatchQuestionsStream>, Status> {
+        let (caller, v1::WatchQuestionsRequest { job_id }) = door::enter(request)?;
+        let heard = attend(&self.0, &caller, &job_id, tokio_stream::pending())?;
+        let question: fn(_) -> _ = |message: Result<v1::AttendResponse, _>| message.map(watched);
+        Ok(Response::new(heard.map(question)))
+    }
+
+    async fn answer_question(
+        &self,
+        request: Request<v1::AnswerQuestionRequest>,
+    ) -> Result<Response<v1::AnswerQuestionResponse>, Status> {
+        let (caller, v1::AnswerQuestionRequest { job_id, question_id, answer }) = door::enter(request)?;
+        attended(&self.0, &caller, &job_id)?;
+        let accepted = match self.0.live(&job_id) {
+            None => false,
+            Some(live) => settle(&self.0, &live, question_id, answer.map(submit::answer)).await?,
+        };
+        Ok(Response::new(v1::AnswerQuestionResponse { accepted }))
     }
 
     async fn debug(
@@ -67,24 +83,77 @@ fn message(content: Content) -> v1::AttendResponse {
     v1::AttendResponse { content: Some(content) }
 }
 
+/// The message for a client that only watches.
+fn watched(message: v1::AttendResponse) -> v1::WatchQuestionsResponse {
+    use v1::watch_questions_response::Content as Watched;
+    let content = message.content.map(|content| match content {
+        Content::Question(question) => Watched::Question(question),
+        Content::Closed(id) => Watched::Closed(id),
+        Content::Ended(status) => Watched::Ended(status),
+    });
+    v1::WatchQuestionsResponse { content }
+}
+
+/// A job of the caller's tenant that an operator attends.
+fn attended(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
+    let record = job(core, caller, id)?;
+    if record.attended { Ok(record) } else { Err(Refusal::NotAttended(id.to_owned())) }
+}
+
+/// Begins to attend a job; `said` are the messages of the client.
+fn attend(
+    core: &Arc<Core>,
+    caller: &Caller,
+    id: &str,
+    said: impl Stream<Item = Result<v1::AttendRequest, Status>> + Send + Unpin + 'static,
+) -> Result<ReceiverStream<Heard>, Refusal> {
+    let record = attended(core, caller, id)?;
+    let (send, receive) = mpsc::channel(4);
+    match core.live(id) {
+        None => drop(send.try_send(Ok(message(Content::Ended(status(record)))))),
+        Some(live) => {
+            let span = tracing::info_span!("attend", job = id);
+            let attend = Attend { core: core.clone(), live, shown: BTreeSet::new(), send };
+            tokio::spawn(attend.run(said).instrument(span));
+        }
+    }
+    Ok(ReceiverStream::new(receive))
+}
+
+/// Answers a question, or declines it without an answer; false if it is closed.
+async fn settle(core: &Core, live: &Live, id: u64, answer: Option<Answer>) -> Result<bool, Refusal> {
+    let Some((channel, dialog)) = live.desk().claim(id) else { return Ok(false) };
+    let answer = answer.map(|answer| Answer { dialog, ..answer });
+    let kept = core.ledger.answered(live.id.clone(), channel, answer.clone()).await;
+    if let Err(refusal) = kept {
+        live.desk().answer(id, None);
+        return Err(refusal);
+    }
+    live.desk().answer(id, answer);
+    Ok(true)
+}
+
 /// A client that attends.
 struct Attend {
     core: Arc<Core>,
     live: Arc<Live>,
     /// Questions it knows as open.
     shown: BTreeSet<u64>,
-    send: Out,
+    send: mpsc::Sender<Heard>,
 }
 
 impl Attend {
-    async fn run(mut self, said: Streaming<v1::AttendRequest>) {
+    async fn run(mut self, said: impl Stream<Item = Result<v1::AttendRequest, Status>> + Unpin) {
         if let Err(refusal) = self.talk(said).await {
             let _ = self.send.send(Err(refusal.into())).await;
         }
     }
 
     /// Until the job ends or the client leaves.
-    async fn talk(&mut self, mut said: Streaming<v1::AttendRequest>) -> Result<(), Refusal> {
+    async fn talk(
+        &mut self,
+        mut said: impl Stream<Item = Result<v1::AttendRequest, Status>> + Unpin,
+    ) -> Result<(), Refusal> {
         let (mut changes, mut state) = (self.live.desk().follow(), self.live.follow());
         let mut drain = self.core.drain.follow();
         loop {
@@ -99,7 +168,8 @@ impl Attend {
                 changed = changes.changed() => if changed.is_err() { return Ok(()) } else { continue },
                 changed = state.changed() => if changed.is_err() { return Ok(()) } else { continue },
                 _ = drain.wait_for(|begun| *begun) => return Err(Refusal::Draining { cursor: 0 }),
-                next = said.message() => next,
+                next = said.next() => next.transpose(),
+                () = self.send.closed() => return Ok(()),
             };
             let next = next.map_err(|status| Refusal::of_transport(&status))?;
             match next.and_then(|next| next.content) {
@@ -135,14 +205,6 @@ impl Attend {
             }
         };
         // A question that another client has answered is reported as closed.
-        let Some((channel, dialog)) = self.live.desk().claim(id) else { return Ok(()) };
-        let answer = answer.map(|answer| Answer { dialog, ..answer });
-        let kept = self.core.ledger.answered(self.live.id.clone(), channel, answer.clone()).await;
-        if let Err(refusal) = kept {
-            self.live.desk().answer(id, None);
-            return Err(refusal);
-        }
-        self.live.desk().answer(id, answer);
-        Ok(())
+        settle(&self.core, &self.live, id, answer).await.map(drop)
     }
 }

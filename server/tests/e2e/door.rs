@@ -97,6 +97,8 @@ async fn every_text_of_every_request_has_a_limit_that_its_refusal_names() {
             "Jobs/DeleteJob" DeleteJobRequest.job_id, "Jobs/ListJobs" ListJobsRequest.page_token,
             "Jobs/CancelJobs" CancelJobsRequest.page_token, "Jobs/DeleteJobs" DeleteJobsRequest.page_token,
             "Jobs/SubmitJob" SubmitJobRequest.request_id, "Jobs/RerunJob" RerunJobRequest.request_id,
+            "Operator/WatchQuestions" WatchQuestionsRequest.job_id,
+            "Operator/AnswerQuestion" AnswerQuestionRequest.job_id,
             "Machines/GetMachine" GetMachineRequest.name, "Machines/PutMachine" PutMachineRequest.name,
             "Machines/CheckMachine" CheckMachineRequest.name, "Machines/DeleteMachine" DeleteMachineRequest.name,
             "Machines/ListMachines" ListMachinesRequest.page_token,

@@ -175,3 +175,47 @@ async fn an_event_that_comes_alone_reaches_its_watcher() {
     server.jobs().cancel_job(v1::CancelJobRequest { job_id: job }).await.unwrap();
     server.stop().await;
 }
+
+/// As a browser attends: one stream from the server, and calls with one message.
+#[tokio::test(flavor = "multi_thread")]
+async fn questions_are_watched_and_answered_without_a_stream_of_the_client() {
+    use v1::watch_questions_response::Content;
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(options(data.path())).await;
+    let job = attended(&server, "ASK Clamp\nASK Turn").await;
+    let watch = |job_id: &str| v1::WatchQuestionsRequest { job_id: job_id.into() };
+    let mut heard = server.operator().watch_questions(watch(&job)).await.unwrap().into_inner();
+    let mut other = Person::attend(&server, &job).await;
+    let mut hear = async || {
+        let message = tokio::time::timeout(std::time::Duration::from_secs(20), heard.message());
+        message.await.expect("in time").unwrap().expect("not the end").content.unwrap()
+    };
+    let Content::Question(question) = hear().await else { panic!("a question comes first") };
+    assert_eq!((question.id, question.dialog.unwrap().name.as_str()), (1, "Clamp"));
+    let say = async |question_id, answer| {
+        let answer = v1::AnswerQuestionRequest { job_id: job.clone(), question_id, answer };
+        server.operator().answer_question(answer).await.unwrap().into_inner().accepted
+    };
+    let press = |button: &str| Some(v1::DialogAnswer { button: button.into(), ..Default::default() });
+    assert!(!say(7, press("OK")).await, "no such question");
+    assert!(say(1, press("OK")).await);
+    assert!(!say(1, press("Cancel")).await, "the first answer counts");
+    assert_eq!(hear().await, Content::Closed(1));
+    let Content::Question(question) = hear().await else { panic!("the second question") };
+    assert_eq!(question.id, 2);
+    assert!(say(2, None).await);
+    assert_eq!(hear().await, Content::Closed(2));
+    let Content::Ended(status) = hear().await else { panic!("the job must have ended") };
+    assert_eq!(status.state(), v1::JobState::Succeeded);
+    assert_eq!(said(&server, &job).await, ["Clamp: OK", "Turn: -"]);
+    assert_eq!(other.question().await.0, 1);
+    assert!(!say(2, press("OK")).await, "the job has ended");
+    let mut late = server.operator().watch_questions(watch(&job)).await.unwrap().into_inner();
+    assert!(matches!(late.message().await.unwrap().unwrap().content, Some(Content::Ended(_))));
+    let background = server.submit("background", "EVENTS 1").await;
+    let refused = server.operator().watch_questions(watch(&background)).await.unwrap_err();
+    assert_eq!(reason(&refused), "NOT_ATTENDED");
+    let answer = v1::AnswerQuestionRequest { job_id: background, question_id: 1, answer: None };
+    assert_eq!(reason(&server.operator().answer_question(answer).await.unwrap_err()), "NOT_ATTENDED");
+    server.stop().await;
+}

@@ -222,3 +222,22 @@ async fn a_job_without_a_machine_is_guessed() {
     assert_eq!(submit("still", lathe).await.unwrap().machine, "fanuc-lathe");
     server.stop().await;
 }
+
+#[tokio::test]
+async fn a_content_in_one_message_is_stored_like_an_upload() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let content = vec![7; 1 << 20];
+    for _ in 0..2 {
+        let put = v1::PutBlobRequest { data: content.clone().into() };
+        let stored = server.blobs().put_blob(put).await.unwrap().into_inner();
+        assert_eq!((stored.digest, stored.size), (digest(&content), 1 << 20));
+    }
+    let empty = server.blobs().put_blob(v1::PutBlobRequest::default()).await.unwrap().into_inner();
+    assert_eq!((empty.digest, empty.size), (digest(b""), 0));
+    let find = v1::FindMissingRequest { digests: vec![digest(&content), digest(b""), digest(b"x")] };
+    assert_eq!(server.blobs().find_missing(find).await.unwrap().into_inner().digests, [digest(b"x")]);
+    let long = v1::PutBlobRequest { data: vec![7; (1 << 20) + 1].into() };
+    assert_eq!(reason(&server.blobs().put_blob(long).await.unwrap_err()), "INVALID_REQUEST");
+    server.stop().await;
+}
