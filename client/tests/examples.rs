@@ -1,0 +1,184 @@
+//! The examples of clients in Go, for Node and for browsers, each against a server. An example whose tools or packages
+//! are absent is skipped with a message.
+
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use counterpoint_server::options::Options;
+use counterpoint_server::service;
+
+fn repository() -> PathBuf {
+    std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+        if entry.file_type().unwrap().is_file() {
+            std::fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
+        }
+    }
+}
+
+/// Whether a step of the preparation succeeds; otherwise says why the test is skipped.
+fn prepared(step: &mut Command) -> bool {
+    match step.output() {
+        Ok(output) if output.status.success() => true,
+        Ok(output) => {
+            eprintln!("skipped: {step:?}: {}", String::from_utf8_lossy(&output.stderr));
+            false
+        }
+        Err(error) => {
+            eprintln!("skipped: {step:?}: {error}");
+            false
+        }
+    }
+}
+
+fn serve(runtime: &tokio::runtime::Runtime, data: &Path) -> String {
+    let listen = "127.0.0.1:0".parse().unwrap();
+    let mut options = Options { listen, data: data.to_owned(), grace_s: 0, ..Options::default() };
+    options.guard.grpc_web = true;
+    let service = runtime.block_on(service::build(options)).unwrap();
+    let address = service.handle().address().to_string();
+    runtime.spawn(service.run(std::future::pending()));
+    address
+}
+
+/// An address where no server answers: nothing listens there.
+fn silent() -> String {
+    std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string()
+}
+
+fn text(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+/// Runs a client: a job with two channels, one with a dialog, a wrong address, a wrong machine. `dash` begins options.
+fn check(command: &dyn Fn() -> Command, dash: &str, folder: &Path) {
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let address = serve(&runtime, &folder.join("data"));
+    let (examples, listing) = (repository().join("examples"), folder.join("job.lce"));
+    let run = |server: &str, machine: &str, set: &[&str], programs: &[&str]| {
+        let mut command = command();
+        for (option, value) in [("server", server), ("machine", machine)] {
+            command.arg(format!("{dash}{option}")).arg(value);
+        }
+        command.arg(format!("{dash}listing")).arg(&listing);
+        for value in set {
+            command.arg(format!("{dash}set")).arg(value);
+        }
+        command.args(programs.iter().map(|name| examples.join(name))).output().unwrap()
+    };
+    let two = ["two-turret/upper.nc", "two-turret/lower.nc"];
+    let output = run(&address, "fanuc-2path-lathe", &[], &two);
+    assert!(output.status.success() && text(&output).contains("SUCCEEDED after"), "{}", text(&output));
+    let written = std::fs::read_to_string(&listing).unwrap();
+    assert!(written.contains("upper.nc") && written.contains("lower.nc"), "{written}");
+
+    let output = run(&address, "tern-bar-lathe", &["PERCENT=50"], &["bar-part/pin.nc"]);
+    assert!(output.status.success() && text(&output).contains("dialog 'Set-up'"), "{}", text(&output));
+    let written = std::fs::read_to_string(&listing).unwrap();
+    assert!(written.contains("feed 50 %"), "the answer has arrived: {written}");
+
+    let wrong = silent();
+    let output = run(&wrong, "fanuc-mill", &[], &two[..1]);
+    assert_eq!((output.status.code(), text(&output).lines().count()), (Some(3), 1), "{}", text(&output));
+    assert!(text(&output).contains(&wrong) && text(&output).contains("check the address"), "{}", text(&output));
+    let output = run(&address, "fanuc-mil", &[], &two[..1]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert!(text(&output).contains("no machine 'fanuc-mil'"), "{}", text(&output));
+}
+
+/// `GOFLAGS` may name a module file with copies of the modules on this computer.
+#[test]
+fn the_example_in_go_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let (source, proto) = (folder.path().join("go"), repository().join("proto"));
+    copy(&repository().join("examples/go"), &source);
+    let mut generate = Command::new("protoc");
+    generate.arg("-I").arg(&proto).args(["--go_out=.", "--go_opt=module=counterpoint"]);
+    generate.args(["--go-grpc_out=.", "--go-grpc_opt=module=counterpoint"]).current_dir(&source);
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(proto.join("counterpoint/v1")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let go = |arguments: &[&str]| {
+        let mut command = Command::new("go");
+        command.args(arguments).current_dir(&source);
+        command
+    };
+    if !prepared(&mut go(&["version"])) || !prepared(generate.args(files)) {
+        return;
+    }
+    let given = std::env::var("GOFLAGS").is_ok_and(|flags| flags.contains("-modfile"));
+    if !given && !prepared(&mut go(&["mod", "tidy"])) || !prepared(&mut go(&["list", "-deps", "."])) {
+        return;
+    }
+    for step in [&["vet", "."][..], &["build", "-o", "client", "."]] {
+        let output = go(step).output().unwrap();
+        assert!(output.status.success(), "{}", text(&output));
+    }
+    let program = source.join("client");
+    check(&|| Command::new(&program), "-", folder.path());
+}
+
+/// A folder with the packages of an example: its own or that of `COUNTERPOINT_NODE_MODULES`; none = skipped.
+fn packages(example: &str, needed: &[&str]) -> Option<PathBuf> {
+    let of_example = repository().join("examples").join(example).join("node_modules");
+    let modules = std::env::var_os("COUNTERPOINT_NODE_MODULES").map_or(of_example, PathBuf::from);
+    if let Some(absent) = needed.iter().find(|name| !modules.join(name).is_dir()) {
+        eprintln!("skipped: no package {absent} in {} (COUNTERPOINT_NODE_MODULES names a folder)", modules.display());
+        return None;
+    }
+    prepared(Command::new("node").arg("--version")).then_some(modules)
+}
+
+/// A copy of an example beside its packages.
+#[cfg(unix)]
+fn beside(modules: &Path, example: &str, folder: &Path) -> PathBuf {
+    let source = folder.join(example);
+    copy(&repository().join("examples").join(example), &source);
+    std::os::unix::fs::symlink(modules, source.join("node_modules")).unwrap();
+    source
+}
+
+#[cfg(unix)]
+fn node(script: PathBuf) -> impl Fn() -> Command {
+    move || {
+        let mut command = Command::new("node");
+        command.arg(&script).env("COUNTERPOINT_PROTO", repository().join("proto"));
+        command
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_example_for_node_runs() {
+    let Some(modules) = packages("node", &["@grpc/grpc-js", "@grpc/proto-loader"]) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let source = beside(&modules, "node", folder.path());
+    check(&node(source.join("submit_and_watch.js")), "--", folder.path());
+}
+
+#[cfg(unix)]
+#[test]
+fn the_example_for_browsers_runs() {
+    let needed = ["@bufbuild/buf", "@bufbuild/protoc-gen-es", "@connectrpc/connect-web", "esbuild"];
+    let Some(modules) = packages("web", &needed) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let source = beside(&modules, "web", folder.path());
+    let tools = std::env::join_paths(
+        [modules.join(".bin")].into_iter().chain(std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default())),
+    );
+    let mut generate = Command::new(modules.join(".bin/buf"));
+    generate.arg("generate").arg(repository().join("proto")).current_dir(&source).env("PATH", tools.unwrap());
+    let output = generate.output().unwrap();
+    assert!(output.status.success(), "{}", text(&output));
+    let mut bundle = Command::new(modules.join(".bin/esbuild"));
+    bundle.args(["page.js", "--bundle", "--format=esm", "--outfile=page.bundle.js"]).current_dir(&source);
+    let output = bundle.output().unwrap();
+    assert!(output.status.success(), "{}", text(&output));
+    check(&node(source.join("submit_and_watch.js")), "--", folder.path());
+}

@@ -1,0 +1,189 @@
+// Submits NC programs to a Counterpoint server, watches them live, answers dialogs, and saves the merged listing.
+//
+//   node submit_and_watch.js --machine fanuc-2path-lathe upper.nc lower.nc
+
+"use strict";
+
+const { createHash, randomUUID } = require("node:crypto");
+const fs = require("node:fs");
+const path = require("node:path");
+const { setTimeout: sleep } = require("node:timers/promises");
+const { parseArgs, promisify } = require("node:util");
+const grpc = require("@grpc/grpc-js");
+const loader = require("@grpc/proto-loader");
+
+const CHUNK = 64 * 1024;
+/** Longest time for the first connection, ms. */
+const REACH_MS = 1500;
+
+class Unreachable extends Error {}
+
+/** Connects within REACH_MS: one channel, a stub for each service. */
+async function connect(address) {
+  const proto = process.env.COUNTERPOINT_PROTO ?? path.join(__dirname, "../../proto");
+  const files = ["blobs", "jobs", "operator", "results"].map((name) => `counterpoint/v1/${name}.proto`);
+  // Numbers of 64 bits, such as cursors, stay exact as text.
+  const form = { includeDirs: [proto], longs: String, enums: String, defaults: true, oneofs: true };
+  const { v1 } = grpc.loadPackageDefinition(loader.loadSync(files, form)).counterpoint;
+  const options = { "grpc.keepalive_time_ms": 30_000, "grpc.keepalive_timeout_ms": 10_000 };
+  const insecure = grpc.credentials.createInsecure();
+  const first = new v1.Jobs(address, insecure, options);
+  await promisify(first.waitForReady.bind(first))(Date.now() + REACH_MS).catch(() => {
+    first.close();
+    throw new Unreachable(`no server without TLS answers at ${address}: check the address, or start counterpointd`);
+  });
+  const channelOverride = first.getChannel();
+  const stub = (Service) => new Service(address, insecure, { channelOverride });
+  return { jobs: first, blobs: stub(v1.Blobs), operator: stub(v1.Operator), results: stub(v1.Results) };
+}
+
+function metadata() {
+  const metadata = new grpc.Metadata();
+  if (process.env.COUNTERPOINT_TOKEN) {
+    metadata.set("authorization", `Bearer ${process.env.COUNTERPOINT_TOKEN}`);
+  }
+  return metadata;
+}
+
+/** Makes a call with one message and one answer. */
+function call(stub, name, request) {
+  return promisify(stub[name].bind(stub))(request, metadata());
+}
+
+function upload(blobs, digest, content) {
+  return new Promise((resolve, reject) => {
+    const stream = blobs.Upload(metadata(), (error, answer) => (error ? reject(error) : resolve(answer)));
+    stream.write({ digest, size: content.length, data: content.subarray(0, CHUNK) });
+    for (let at = CHUNK; at < content.length; at += CHUNK) {
+      stream.write({ data: content.subarray(at, at + CHUNK) });
+    }
+    stream.end();
+  });
+}
+
+/** Uploads the files that the server does not have, and submits the job: it is stored when this returns. */
+async function submit(server, machine, programs) {
+  const files = programs.map((file) => {
+    const content = fs.readFileSync(file);
+    return { path: path.basename(file), digest: createHash("sha256").update(content).digest("hex"), content };
+  });
+  const missing = await call(server.blobs, "FindMissing", { digests: files.map((file) => file.digest) });
+  for (const digest of missing.digests) {
+    await upload(server.blobs, digest, files.find((file) => file.digest === digest).content);
+  }
+  // The same request id gives the same job, so the submit may be repeated after a lost answer.
+  const answer = await call(server.jobs, "SubmitJob", {
+    requestId: randomUUID(),
+    machine,
+    programs: files.map(({ path }) => ({ path })),
+    files: files.map(({ path, digest }) => ({ path, digest })),
+    options: { attended: true },
+  });
+  return answer.status.jobId;
+}
+
+/** Prints diagnostics and progress until the job ends; continues a broken watch at its cursor. */
+async function watch(server, jobId) {
+  let afterSeq = "0";
+  for (let failures = 0; ; failures++) {
+    try {
+      const request = { jobId, afterSeq, level: "WATCH_LEVEL_DIAGNOSTICS" };
+      for await (const message of server.jobs.WatchJob(request, metadata())) {
+        failures = 0;
+        if (message.content === "ended") {
+          return message.ended;
+        } else if (message.content === "batch") {
+          for (const { channel, line, diagnostic } of message.batch.events.filter((event) => event.diagnostic)) {
+            console.log(`channel ${channel} line ${line}: ${diagnostic.number} ${diagnostic.text}`);
+          }
+          afterSeq = message.batch.lastSeq;
+        } else if (message.content === "progress") {
+          const channels = message.progress.channels.map((c) => `${c.name}: ${c.percent.toFixed(0)} %, block ${c.blocks}`);
+          channels.forEach((text) => console.error(text));
+        }
+      }
+    } catch (error) {
+      if (error.code !== grpc.status.UNAVAILABLE || failures >= 10) {
+        throw error;
+      }
+    }
+    await sleep(Math.min(100 * 2 ** failures, 10_000) * (0.5 + Math.random() / 2));
+  }
+}
+
+/** Answers every dialog with its first button of type OK and the values of the command line. */
+function attend(server, jobId, values) {
+  const stream = server.operator.Attend(metadata());
+  stream.on("error", (error) => console.error(`dialogs are not answered any more: ${error.details}`));
+  stream.on("data", ({ content, question }) => {
+    if (content !== "question") {
+      return;
+    }
+    console.log(`dialog '${question.dialog.name}': ${question.dialog.title}`);
+    if (question.problem) {
+      console.error(`declined: ${question.problem}`);
+      stream.write({ declined: question.id });
+    } else {
+      stream.write({ answer: { questionId: question.id, answer: answer(question, values) } });
+    }
+  });
+  stream.write({ jobId });
+  return stream;
+}
+
+function answer(question, values) {
+  const given = question.dialog.fields.filter((field) => values.has(field.variable));
+  const typed = (field, text) =>
+    field.kind === "check" ? { flag: text === "true" } : field.kind === "number" ? { number: Number(text) } : { text };
+  return { values: Object.fromEntries(given.map((f) => [f.variable, typed(f, values.get(f.variable))])) };
+}
+
+/** Saves the merged listing of all channels. */
+async function save(server, jobId, file) {
+  const chunks = [];
+  for await (const { data } of server.results.GetListing({ jobId }, metadata())) {
+    chunks.push(data);
+  }
+  fs.writeFileSync(file, Buffer.concat(chunks));
+}
+
+async function main() {
+  const { values: options, positionals: programs } = parseArgs({
+    allowPositionals: true,
+    options: {
+      server: { type: "string", default: "127.0.0.1:7878" },
+      machine: { type: "string", default: "fanuc-mill" },
+      listing: { type: "string", default: "job.lce" },
+      set: { type: "string", multiple: true, default: [] },
+    },
+  });
+  if (programs.length === 0) {
+    throw new Error("name at least one program; they are assigned to the channels from left to right");
+  }
+  const values = new Map(options.set.map((text) => [text.split("=", 1)[0], text.slice(text.indexOf("=") + 1)]));
+  const server = await connect(options.server);
+  try {
+    const job = await submit(server, options.machine, programs);
+    console.error(`job ${job}`);
+    const attended = attend(server, job, values);
+    const ended = await watch(server, job);
+    attended.end();
+    console.log(`${ended.state.replace("JOB_STATE_", "")} after ${(ended.makespanNs / 1e9).toFixed(3)} s of machine time`);
+    if (ended.error) {
+      throw new Error(ended.error);
+    }
+    await save(server, job, options.listing);
+    return ended.state === "JOB_STATE_SUCCEEDED" ? 0 : 1;
+  } finally {
+    server.jobs.close();
+  }
+}
+
+main().then(
+  (code) => (process.exitCode = code),
+  (error) => {
+    // The server says what is wrong and what to do about it.
+    console.error(error.details ?? error.message);
+    process.exitCode = error instanceof Unreachable ? 3 : 2;
+  },
+);

@@ -1,0 +1,48 @@
+// The page: a form, the progress of the channels, dialogs, the listing.
+
+import { JobState, attend, connect, listing, submit, watch } from "./job.js";
+
+const part = (id) => document.getElementById(id);
+
+function print(text) {
+  part("messages").append(`${text}\n`);
+}
+
+function ask({ dialog, values, problem }) {
+  const answers = {};
+  for (const field of dialog.fields.filter((field) => field.variable)) {
+    const now = values[field.variable]?.value.value ?? "";
+    const text = window.prompt(`${problem ? `${problem}\n` : ""}${dialog.title}\n${field.label}`, now);
+    if (text === null) {
+      return undefined;
+    }
+    answers[field.variable] = text;
+  }
+  return answers;
+}
+
+async function run() {
+  const files = [...part("programs").files].map(async (file) => ({
+    name: file.name,
+    bytes: new Uint8Array(await file.arrayBuffer()),
+  }));
+  const server = await connect(part("server").value, part("token").value);
+  const job = await submit(server, part("machine").value, await Promise.all(files));
+  print(`job ${job}`);
+  attend(server, job, ask).catch((error) => print(`dialogs are not answered any more: ${error.message}`));
+  const ended = await watch(server, job, {
+    progress: (channels) =>
+      (part("progress").textContent = channels.map((c) => `${c.name} ${c.percent.toFixed(0)} %`).join(", ")),
+    event: ({ channel, line, kind }) =>
+      kind.case === "diagnostic" && print(`channel ${channel} line ${line}: ${kind.value.number} ${kind.value.text}`),
+  });
+  print(`${JobState[ended.state]} after ${Number(ended.makespanNs) / 1e9} s of machine time ${ended.error}`);
+  part("listing").textContent = ended.error ? "" : await listing(server, job);
+}
+
+part("form").addEventListener("submit", (event) => {
+  event.preventDefault();
+  part("messages").textContent = "";
+  // The server says what is wrong and what to do about it.
+  run().catch((error) => print(error.rawMessage ?? error.message));
+});
