@@ -14,17 +14,17 @@ const TNC: &str = "heidenhain-mill";
 /// Machine, program, the line that the diagnostic names, and a word of the diagnostic.
 const CASES: &[(&str, &str, u32, &str)] = &[
     // A call in a block, and with a calculation behind it.
-    (SIEMENS, "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nCYCLE81(10,0,2)\nM30", 4, "61101"),
-    (SIEMENS, "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nR1=2\nCYCLE83(10,0,2)\nM30", 5, "61101"),
+    (SIEMENS, "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nHOLES1(0,0,0,0,10)\nM30", 4, "61103"),
+    (SIEMENS, "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nR1=2\nSLOT1(10,0,2)\nM30", 5, "61101"),
     // From a subprogram of the user.
     (
         SIEMENS,
-        "%_N_MAIN_MPF\nT1 D1 M6\nS1000 M3 F200\nHOLE\nM30\n%_N_HOLE_SPF\nPROC HOLE\nG0 X10 Z50\nCYCLE81(10,0,2)\nM17",
+        "%_N_MAIN_MPF\nT1 D1 M6\nS1000 M3 F200\nHOLE\nM30\n%_N_HOLE_SPF\nPROC HOLE\nG0 X10 Z50\nHOLES1(0,0,0,0,10)\nM17",
         9,
-        "61101",
+        "61103",
     ),
     // A modal cycle acts in the block that positions.
-    (SIEMENS, "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nMCALL CYCLE81(10,0,2)\nX5\nX10\nMCALL\nM30", 5, "61101"),
+    (SIEMENS, "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nMCALL HOLES2(0,0,10)\nX5\nX10\nMCALL\nM30", 5, "61103"),
     // A defined cycle that a position calls.
     (
         TNC,
@@ -83,7 +83,7 @@ fn no_diagnostic_of_a_shipped_cycle_is_placed_in_it_whatever_its_arguments() {
 
 #[test]
 fn blocks_of_shipped_cycles_are_not_counted_and_bars_end_with_the_call() {
-    let text = "G0 X0 Y0 Z50\nT1 D1 M6\nS1000 M3 F200\nCYCLE81(10,0,2,-20)\nX50\nCYCLE81(10,0,2,-20)\nM30\n";
+    let text = "$TC_DP6[1,1]=2 G0 X0 Y0 Z50\nT1 D1 M6\nS1000 M3 F200\nPOCKET1(10,0,2,-5,,20,10,5,0,0,0)\nX50\nPOCKET1(10,0,2,-5,,20,10,5,0,0,0)\nM30\n";
     let work = Work::texts(machine(SIEMENS, ""), &[text], Options::default());
     let done = work.run(None).expect("a job");
     assert_eq!(done.summary.state, State::Succeeded, "{:?}", done.summary.diagnostics);
@@ -107,7 +107,7 @@ fn a_cycle_in_the_folder_of_the_users_machine_is_the_users_program() {
     let content = shipped.read(family).expect("a shipped cycle");
     own.insert(family, [&b"; ours\n"[..], &content].concat());
     let machine = load(&package::Overlay::over_shipped(own), SIEMENS).machine.expect("a machine");
-    let text = "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nCYCLE81(10,0,2)\nM30";
+    let text = "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nPOCKET1(10,0,2)\nM30";
     let (results, _, _) = Work::texts(machine.into(), &[text], Options::default()).results(None).expect("a job");
     let found = results.summary.diagnostics.iter().find(|found| found.text.contains("61101")).expect("the alarm");
     assert_eq!((found.file.as_str(), found.origin.is_none()), ("//ICAMFS/cst.dir/sc_levels.spf", true));

@@ -5,10 +5,11 @@
 use counterpoint_event::FileId;
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
-use counterpoint_machine::index::RegisterId;
+use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_program::key_words::Number;
 
-use super::host::Host;
+use super::host::{Host, MadeWord};
+use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
 /// The interpreter of one kernel, with its variables.
@@ -44,6 +45,15 @@ pub trait Interpreter: Send {
 
     /// The main program is about to run; its file is loaded.
     fn on_start(&mut self, _host: &mut dyn Host) {}
+
+    /// Makes the blocks of a resident program that is a cycle of the control, which a block calls by
+    /// [`super::host::Flow::call`]; false: the program is an ordinary one, whose blocks run.
+    ///
+    /// # Errors
+    /// The reason why the channel stops: an argument of the cycle is wrong.
+    fn cycle(&mut self, _: &mut dyn Host, _: (FileId, Range), _: &mut MadeBlocks) -> Result<bool, Halt> {
+        Ok(false)
+    }
 
     /// A subprogram begins: one that [`super::host::Flow::call`] asked for, or another that words called.
     fn on_call(&mut self, _host: &mut dyn Host) {}
@@ -111,6 +121,57 @@ pub trait Interpreter: Send {
     /// Bytes that compiled lines and tables take, about, if they are counted apart.
     fn tables(&self) -> u64 {
         0
+    }
+}
+
+/// Blocks of words that a cycle of the control makes, one after another.
+///
+/// *Invariant:* `ends` rises, and its last element is the number of words when all blocks are complete.
+#[derive(Debug, Default)]
+pub struct MadeBlocks {
+    words: Vec<CycleWord>,
+    /// Where each block ends among the words.
+    ends: Vec<usize>,
+    /// Codes that were active before the cycle are active after it.
+    pub restores_codes: bool,
+}
+
+/// A word of a block that a cycle makes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CycleWord {
+    /// A register with a value.
+    Register(MadeWord),
+    /// A literal text, by its row in the code table.
+    Text(CodeRowId),
+}
+
+impl MadeBlocks {
+    /// Forgets all blocks.
+    pub fn clear(&mut self) {
+        self.words.clear();
+        self.ends.clear();
+        self.restores_codes = false;
+    }
+
+    /// Adds a word to the block that is being made.
+    pub fn push(&mut self, word: MadeWord) {
+        self.words.push(CycleWord::Register(word));
+    }
+
+    /// Adds a literal text of the machine.
+    pub fn push_text(&mut self, row: CodeRowId) {
+        self.words.push(CycleWord::Text(row));
+    }
+
+    /// Ends the block.
+    pub fn end(&mut self) {
+        self.ends.push(self.words.len());
+    }
+
+    /// The words of each block.
+    pub fn iter(&self) -> impl Iterator<Item = &[CycleWord]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| self.words.get(start..end).unwrap_or_default())
     }
 }
 

@@ -408,19 +408,19 @@ fn any_commands_give_the_log_of_a_free_run() {
 
 #[test]
 fn steps_go_over_shipped_cycles_and_stop_in_one_at_a_breakpoint() {
-    let text = "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nCYCLE81(10,0,2,-20)\nX50\nM30\n";
+    let text = "G0 Z50\nT1 D1 M6\nS1000 M3 F200\nHOLES1(0,0,0,5,10,2)\nX50\nM30\n";
     let steps = vec![step(Whom::Next, 1); 6];
     let (summary, said) = stepped("siemens-mill", &[text], steps, false);
     assert_eq!(summary.state, summary::State::Succeeded, "{:?}", summary.diagnostics);
     let lines: Vec<u32> = stops(&said).into_iter().flat_map(|(_, lines)| lines).collect();
     assert_eq!(lines[..6], [1, 2, 3, 4, 5, 6]);
 
-    let inside = || line("cycle81.spf", 3);
+    let inside = || line("holes1.spf", 15);
     let commands = vec![at(inside()), Command::Continue, step(Whom::Next, 1)];
     let (_, said) = stepped("siemens-mill", &[text], commands, false);
     let files: Vec<(String, u32)> =
         reports(&said).iter().map(|report| (report.channels[0].file.clone(), report.channels[0].line)).collect();
-    assert!(files.contains(&("//ICAMFS/cst.dir/cycle81.spf".to_owned(), 3)), "{files:?}");
+    assert!(files.contains(&("//ICAMFS/cst.dir/holes1.spf".to_owned(), 15)), "{files:?}");
     assert_eq!(files.last().map(|(file, line)| (file.as_str(), *line)), Some(("jobs/p1.nc", 5)));
 }
 

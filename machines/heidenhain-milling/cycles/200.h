@@ -1,50 +1,5 @@
-; Drilling: infeeds Q202, out to the clearance after each, dwell Q210 at the top and Q211 at the bottom.
-; Without an infeed it drills in one go. Q395 = 1: the depth is that of the full diameter, by the tip angle of the tool table.
+; Drilling: infeeds Q202, out to the clearance after each, dwell Q210 at the top and Q211 at the bottom. Without an
+; infeed it drills in one go. Q395 = 1: the depth is that of the full diameter, by the tip angle of the tool table.
+; The control makes its moves; a file of this name in a machine of your own replaces it.
 BEGIN PGM 200 MM
-FN 9: IF +Q201 EQU +0 GOTO LBL 98
-FN 12: IF +Q201 LT +0 GOTO LBL 94
-FN 14: ERROR = 1098
-LBL 94
-FN 18: SYSREAD QL90 = ID20 NR9
-QL1 = Q203 + Q200
-QL2 = Q203 + Q204
-L Z+QL1 R0 FMAX
-QL3 = Q203
-QL4 = Q203 + Q201
-FN 9: IF +Q395 EQU +0 GOTO LBL 24
-FN 18: SYSREAD QL11 = ID50 NR32
-FN 9: IF +QL11 EQU +0 GOTO LBL 24
-QL11 = QL11 / 2
-QL4 = QL4 - Q108 * COS QL11 / SIN QL11
-LBL 24
-QL6 = Q202
-LBL 1
-FN 11: IF +QL6 GT +0 GOTO LBL 23
-QL3 = QL4
-FN 9: IF +0 EQU +0 GOTO LBL 2
-LBL 23
-QL3 = QL3 - QL6
-QL98 = QL4 + 0.0001
-FN 11: IF +QL3 GT +QL98 GOTO LBL 2
-QL3 = QL4
-LBL 2
-L Z+QL3 F+Q206
-FN 9: IF +QL3 EQU +QL4 GOTO LBL 3
-L Z+QL1 R0 FMAX
-FN 9: IF +Q210 EQU +0 GOTO LBL 4
-FUNCTION DWELL TIME+Q210
-LBL 4
-QL5 = QL3 + Q200
-L Z+QL5 R0 FMAX
-FN 9: IF +0 EQU +0 GOTO LBL 1
-LBL 3
-FN 9: IF +Q211 EQU +0 GOTO LBL 5
-FUNCTION DWELL TIME+Q211
-LBL 5
-L Z+QL1 R0 FMAX
-FN 12: IF +Q204 LT +Q200 GOTO LBL 97
-L Z+QL2 R0 FMAX
-LBL 97
-F+QL90
-LBL 98
 END PGM 200 MM

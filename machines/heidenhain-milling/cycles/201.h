@@ -1,27 +1,4 @@
 ; Reaming: to the depth with the feed Q206, dwell Q211, back with the feed Q208.
+; The control makes its moves; a file of this name in a machine of your own replaces it.
 BEGIN PGM 201 MM
-FN 9: IF +Q201 EQU +0 GOTO LBL 98
-FN 12: IF +Q201 LT +0 GOTO LBL 94
-FN 14: ERROR = 1098
-LBL 94
-FN 18: SYSREAD QL90 = ID20 NR9
-QL1 = Q203 + Q200
-QL2 = Q203 + Q204
-L Z+QL1 R0 FMAX
-QL3 = Q203
-QL4 = Q203 + Q201
-QL8 = Q208
-FN 10: IF +QL8 NE +0 GOTO LBL 6
-QL8 = Q206
-LBL 6
-L Z+QL4 F+Q206
-FN 9: IF +Q211 EQU +0 GOTO LBL 5
-FUNCTION DWELL TIME+Q211
-LBL 5
-L Z+QL1 F+QL8
-FN 12: IF +Q204 LT +Q200 GOTO LBL 97
-L Z+QL2 R0 FMAX
-LBL 97
-F+QL90
-LBL 98
 END PGM 201 MM

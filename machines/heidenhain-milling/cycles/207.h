@@ -1,37 +1,4 @@
 ; Rigid tapping with the pitch Q239: feed is speed by pitch; the spindle turns the other way for the retract.
+; The control makes its moves; a file of this name in a machine of your own replaces it.
 BEGIN PGM 207 MM
-FN 9: IF +Q201 EQU +0 GOTO LBL 98
-FN 12: IF +Q201 LT +0 GOTO LBL 94
-FN 14: ERROR = 1098
-LBL 94
-FN 18: SYSREAD QL90 = ID20 NR9
-QL1 = Q203 + Q200
-QL2 = Q203 + Q204
-L Z+QL1 R0 FMAX
-QL3 = Q203
-QL4 = Q203 + Q201
-FN 18: SYSREAD QL94 = ID20 NR4
-QL8 = QL94 * ABS Q239 * ( 1 + 9 * Q113 )
-FN 12: IF +Q239 LT +0 GOTO LBL 30
-M3
-L Z+QL4 F+QL8
-M4
-FN 9: IF +0 EQU +0 GOTO LBL 31
-LBL 30
-M4
-L Z+QL4 F+QL8
-M3
-LBL 31
-L Z+QL1 F+QL8
-FN 12: IF +Q239 LT +0 GOTO LBL 32
-M3
-FN 9: IF +0 EQU +0 GOTO LBL 33
-LBL 32
-M4
-LBL 33
-FN 12: IF +Q204 LT +Q200 GOTO LBL 97
-L Z+QL2 R0 FMAX
-LBL 97
-F+QL90
-LBL 98
 END PGM 207 MM

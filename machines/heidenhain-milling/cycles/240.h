@@ -1,29 +1,5 @@
-; Centring: to the depth, dwell Q211. A depth by the diameter Q344 (Q343 = 1) counts for the tip angle of the tool table, without one
-; for 90 degrees.
+; Centring: to the depth, dwell Q211. A depth by the diameter Q344 (Q343 = 1) counts for the tip angle of the tool
+; table, without one for 90 degrees.
+; The control makes its moves; a file of this name in a machine of your own replaces it.
 BEGIN PGM 240 MM
-FN 9: IF +Q201 EQU +0 GOTO LBL 98
-FN 18: SYSREAD QL90 = ID20 NR9
-QL1 = Q203 + Q200
-QL2 = Q203 + Q204
-L Z+QL1 R0 FMAX
-QL3 = Q203
-QL4 = Q203 + Q201
-FN 9: IF +Q343 EQU +0 GOTO LBL 30
-FN 18: SYSREAD QL11 = ID50 NR32
-FN 10: IF +QL11 NE +0 GOTO LBL 31
-QL11 = 90
-LBL 31
-QL11 = QL11 / 2
-QL4 = Q203 - ABS Q344 / 2 * COS QL11 / SIN QL11
-LBL 30
-L Z+QL4 F+Q206
-FN 9: IF +Q211 EQU +0 GOTO LBL 5
-FUNCTION DWELL TIME+Q211
-LBL 5
-L Z+QL1 R0 FMAX
-FN 12: IF +Q204 LT +Q200 GOTO LBL 97
-L Z+QL2 R0 FMAX
-LBL 97
-F+QL90
-LBL 98
 END PGM 240 MM

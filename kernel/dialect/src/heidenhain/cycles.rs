@@ -10,6 +10,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::contours::Contours;
+use super::drilling::HoleWords;
 use super::eval::Evaluator;
 use super::foreign_axes::refuse_axes_of_cycle;
 use super::formula::{Kind, Name, Wrong, expected};
@@ -199,6 +200,8 @@ pub(super) struct Cycles {
     pub(super) contours: Contours,
     /// Points of the last PATTERN DEF.
     pub(super) pattern: Pattern,
+    /// Words of the machine for holes, once they have been looked up.
+    pub(super) holes: Option<HoleWords>,
 }
 
 impl Heidenhain {

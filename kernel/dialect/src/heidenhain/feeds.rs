@@ -44,6 +44,11 @@ impl Units {
         if self.per_turn { inch } else { inch / 10.0 }
     }
 
+    /// The M function that an F word needs, once a program has used a feed per revolution.
+    pub(super) fn function_of_feed(self) -> Option<f64> {
+        self.used.then_some(if self.per_turn { 136.0 } else { 137.0 })
+    }
+
     /// The M function that an F word means.
     fn of_feed(self) -> &'static str {
         if self.per_turn { "M136" } else { "M137" }

@@ -19,6 +19,7 @@ mod control;
 mod corner;
 mod cycles;
 mod cylinder;
+mod drilling;
 mod engraving;
 mod eval;
 mod feeds;
@@ -64,11 +65,12 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 
 use super::host::Host;
-use super::interpreter::{Interpreter, Remaining, Setting};
+use super::interpreter::{Interpreter, MadeBlocks, Remaining, Setting};
 use crate::kept::{Kept, Tables};
 use crate::search::Labels;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_program::shape::Range;
 use lex::Cursor;
 use path::Path;
 use settings::Settings;
@@ -219,6 +221,10 @@ impl Interpreter for Heidenhain {
             self.cycles.pattern = patterns::Pattern::default();
             self.selected = Selected::default();
         }
+    }
+
+    fn cycle(&mut self, host: &mut dyn Host, _: (FileId, Range), blocks: &mut MadeBlocks) -> Result<bool, Halt> {
+        self.hole(host, blocks)
     }
 
     fn on_call(&mut self, _: &mut dyn Host) {

@@ -27,8 +27,28 @@ impl Heidenhain {
             Some(index) => Some(evaluator.number(index)?),
             None => None,
         };
+        let value = self.system_data(host, id, number, index)?;
+        Evaluator::new(&mut self.variables, host).assign(to, value)
+    }
+
+    /// System data that are a number, 0 if they are a text.
+    pub(super) fn system_number(
+        &mut self,
+        host: &mut dyn Host,
+        id: f64,
+        number: f64,
+        index: Option<f64>,
+    ) -> Result<f64, Halt> {
+        Ok(match self.system_data(host, id, number, index)? {
+            Value::Number(value) => value,
+            Value::Text(_) => 0.0,
+        })
+    }
+
+    /// Value of system data: that of the machine, or one that is known here.
+    fn system_data(&mut self, host: &mut dyn Host, id: f64, number: f64, index: Option<f64>) -> Result<Value, Halt> {
         let asked = name_of(id, number, index);
-        let value = match evaluator.ask(&asked)? {
+        let value = match Evaluator::new(&mut self.variables, host).ask(&asked)? {
             // The machine gives a feed in its own unit.
             Asked::Value(Value::Number(feed)) if self.units.inches && (id, number) == (20.0, 9.0) => {
                 Value::Number(feed / self.units.feed_factor(host.length_factor()))
@@ -44,7 +64,7 @@ impl Heidenhain {
                 Value::Number(known.unwrap_or(0.0))
             }
         };
-        Evaluator::new(&mut self.variables, host).assign(to, value)
+        Ok(value)
     }
 
     /// System data that the kernel and this program know.

@@ -34,6 +34,9 @@ pub trait Words {
     /// A literal text of the machine's code table, letter case ignored.
     fn is_code_text(&self, text: &str) -> bool;
 
+    /// Row of a literal text in the machine's code table, letter case ignored.
+    fn literal(&self, text: &str) -> Option<CodeRowId>;
+
     /// Whether the machine has a code for the word of a letter with this value.
     fn knows_code(&self, letter: u8, value: f64) -> bool;
 
@@ -45,6 +48,9 @@ pub trait Words {
 
     /// Register of a letter, and whether the letter is its incremental form.
     fn register(&self, letter: u8) -> Option<(RegisterId, bool)>;
+
+    /// Register of a name, with `=` at its end or without, and whether the name is its incremental form.
+    fn register_named(&self, name: &str) -> Option<(RegisterId, bool)>;
 
     /// Steps of one unit that the value of an expression is rounded to at a register, if the machine rounds.
     fn steps(&self, register: RegisterId) -> Option<f64>;

@@ -8,7 +8,7 @@ use super::define::{Header, Parameter};
 use super::expression::{Argument, as_name};
 use super::jumps::bare;
 use super::line::{Item, read};
-use super::value::Data;
+use super::value::{Data, Type};
 use super::variables::{Level, Target, Variable};
 use super::{Fault, Outcome, Siemens, syntax};
 use crate::host::{Call, Host};
@@ -54,6 +54,23 @@ impl PassedArgument {
         !matches!(self.value, Passed::Missing)
     }
 
+    /// The number that a parameter of a resident program holds; 0 for a text and without a value.
+    ///
+    /// # Errors
+    /// The parameter cannot hold the value.
+    pub(super) fn number_as(&self, parameter: &Parameter) -> Result<f64, String> {
+        let name = &parameter.name;
+        match &self.value {
+            Passed::Missing => Ok(0.0),
+            Passed::Whole(_) => Err(format!("an array does not fit the parameter {name}")),
+            Passed::One(Data::Real(value)) if parameter.kind == Type::Real => Ok(*value),
+            Passed::One(value) => match parameter.kind.hold(value.clone()) {
+                Ok(value) => Ok(value.number().unwrap_or(0.0)),
+                Err(text) => Err(format!("{text}, for the parameter {name}")),
+            },
+        }
+    }
+
     /// Takes the final value of a parameter.
     pub(super) fn take_from(&mut self, variable: &Variable) {
         self.value = match variable.values.as_slice() {
@@ -63,7 +80,7 @@ impl PassedArgument {
     }
 }
 
-fn mismatch<T>(text: String) -> Outcome<T> {
+pub(super) fn mismatch<T>(text: String) -> Outcome<T> {
     Err(Fault::Alarm(&diag::SIEMENS_ARGUMENTS, text))
 }
 
@@ -125,7 +142,7 @@ impl Siemens {
     }
 
     /// PROC of a subprogram: its first block.
-    fn header_of(&mut self, host: &dyn Host, file: FileId, range: Range) -> Option<Header> {
+    pub(super) fn header_of(&mut self, host: &dyn Host, file: FileId, range: Range) -> Option<Header> {
         let source = host.source(file)?;
         for line in source.walk(range.first, range.last.min(source.lines())) {
             let text = String::from_utf8_lossy(source.line(line));

@@ -1,11 +1,15 @@
 //! State that statements keep for later blocks of the channel. *Invariant:* a program begins without any of it, except
 //! for actions that stay.
 
+use std::sync::Arc;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::actions::Waiting;
 use super::along::Turning;
+use super::drilling::HoleCycle;
 use super::preparation::Preparation;
+use counterpoint_event::FileId;
 
 /// The kept data.
 #[derive(Debug, Default)]
@@ -28,4 +32,6 @@ pub(super) struct Held {
     pub(super) turning: Turning,
     /// CONTPRON without its EXECUTE.
     pub(super) preparation: Option<Preparation>,
+    /// The drilling cycles among the programs that were called.
+    pub(super) holes: FxHashMap<FileId, Option<Arc<HoleCycle>>>,
 }

@@ -54,8 +54,12 @@ impl Siemens {
             Some(text) => self.argument(host, text)?.map_or_else(String::new, |text| format!(": {}", text.text())),
             None => String::new(),
         };
-        let text = format!("the program sets alarm {number}{text}");
-        let is_shown = matches!(number as u32 / 1000, 60 | 63 | 64 | 67);
+        self.raise(host, number as u32, format!("the program sets alarm {number}{text}"))
+    }
+
+    /// Raises an alarm of a cycle, which stops the channel or is only shown, as its number says.
+    pub(super) fn raise(&mut self, host: &mut dyn Host, number: u32, text: String) -> Outcome<()> {
+        let is_shown = matches!(number / 1000, 60 | 63 | 64 | 67);
         match self.settings.severity {
             Some(severity) => host.report(&diag::SIEMENS_ALARM, severity, text),
             None if is_shown => host.diagnose(&diag::SIEMENS_ALARM, text),

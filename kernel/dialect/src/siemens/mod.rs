@@ -20,6 +20,7 @@ mod cursor;
 mod declare;
 mod define;
 mod defines;
+mod drilling;
 mod evaluate;
 mod expression;
 mod files;
@@ -61,7 +62,7 @@ use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 use super::host::Host;
-use super::interpreter::{Interpreter, Remaining, Setting};
+use super::interpreter::{Interpreter, MadeBlocks, Remaining, Setting};
 use crate::kept::{Kept, Tables};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
@@ -243,6 +244,11 @@ impl Interpreter for Siemens {
 
     fn watches(&self) -> bool {
         self.must_watch()
+    }
+
+    fn cycle(&mut self, host: &mut dyn Host, program: (FileId, Range), blocks: &mut MadeBlocks) -> Result<bool, Halt> {
+        let outcome = self.hole(host, program, blocks);
+        self.reported(host, outcome)
     }
 
     fn on_call(&mut self, host: &mut dyn Host) {

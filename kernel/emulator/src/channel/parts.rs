@@ -5,7 +5,7 @@ use super::emit::Emitter;
 use super::plan::Plan;
 use super::variables::ChannelVariables;
 use crate::state::channel::Environment;
-use counterpoint_dialect::{self, Dialect, Interpreter};
+use counterpoint_dialect::{self, Dialect, Interpreter, MadeBlocks};
 use counterpoint_machine::Machine;
 use counterpoint_ports::control::{Control, Progress};
 use counterpoint_ports::step::Stepper;
@@ -35,6 +35,8 @@ pub(crate) struct DialectState {
     pub(crate) interpreter: Option<Box<dyn Interpreter>>,
     /// Programs that the interpreter has read are out of date; the interpreter is notified when it is put back.
     pub(crate) is_stale: bool,
+    /// Blocks of the cycle that is executed; only their memory is kept from one to the next.
+    pub(crate) cycle_blocks: MadeBlocks,
 }
 
 impl DialectState {
@@ -46,6 +48,7 @@ impl DialectState {
             variables: ChannelVariables::new(&machine.variables),
             interpreter: if executes { kind.interpreter(machine) } else { None },
             is_stale: false,
+            cycle_blocks: MadeBlocks::default(),
         }
     }
 }

@@ -158,6 +158,9 @@ impl Kernel<'_> {
             let text = format!("subprogram {name} not found, called in '{}'", self.block_text());
             return self.program_missing(text);
         };
+        if self.cycle_at_once((file, range), &called, &name)? {
+            return Ok(());
+        }
         let repeats = passes.saturating_sub(1);
         self.enter(Frame { repeats, closes, called, ..Frame::main(file, range, (*name).into()) });
         Ok(())

@@ -8,6 +8,7 @@ mod beside_motion;
 mod codes;
 mod conditions;
 mod contour;
+mod cycle_blocks;
 mod data_blocks;
 mod definitions;
 mod edit;

@@ -23,7 +23,8 @@ impl Kernel<'_> {
         let (mut moves, mut modes, mut function) = (false, false, None);
         for pending in &self.channel.block.pending {
             let row = &self.channel.env.machine.codes[pending.row];
-            let takes = matches!(row.id.kind(), CodeKind::Spindle { .. }) || row.id == codes::SPINDLE_MAXRPM;
+            let takes = matches!(row.id.kind(), CodeKind::Spindle { .. })
+                || matches!(row.id, codes::SPINDLE_MAXRPM | codes::DELAY_REV);
             if takes || self.plan.hooks.is_some() && self.matching_code_macro(row.id).is_some() {
                 return Ok(());
             }

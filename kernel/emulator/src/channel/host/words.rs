@@ -36,8 +36,13 @@ impl Words for Kernel<'_> {
     }
 
     fn is_code_text(&self, text: &str) -> bool {
-        let mut texts = self.channel.env.machine.tables.texts.iter();
-        texts.any(|&row| self.literal_of(row).is_some_and(|literal| literal.eq_ignore_ascii_case(text)))
+        self.literal(text).is_some()
+    }
+
+    fn literal(&self, text: &str) -> Option<CodeRowId> {
+        let texts = &self.channel.env.machine.tables.texts;
+        let is = |row: CodeRowId| self.literal_of(row).is_some_and(|literal| literal.eq_ignore_ascii_case(text));
+        texts.iter().copied().find(|&row| is(row))
     }
 
     fn knows_code(&self, letter: u8, value: f64) -> bool {
@@ -60,6 +65,14 @@ impl Words for Kernel<'_> {
 
     fn register(&self, letter: u8) -> Option<(RegisterId, bool)> {
         self.plan.scanner.register(letter)
+    }
+
+    fn register_named(&self, name: &str) -> Option<(RegisterId, bool)> {
+        let is = |text: &str| text.strip_suffix('=').unwrap_or(text).eq_ignore_ascii_case(name);
+        self.channel.env.machine.registers.entries().find_map(|(id, register)| match &register.second {
+            Some(second) if is(second) => Some((id, true)),
+            _ => is(&register.before).then_some((id, false)),
+        })
     }
 
     fn steps(&self, register: RegisterId) -> Option<f64> {

@@ -1,0 +1,96 @@
+//! Cycles of a control whose blocks its interpreter makes at once.
+//!
+//! Facts: reference control-emulator.md 5.7, 6.4. The block that calls such a cycle stands for all of its blocks: events
+//! and messages name it, and stepping goes over the cycle.
+//! *Invariant:* every block is executed as if the program had it: limits, macros of codes and times are the usual ones.
+
+use std::sync::Arc;
+
+use crate::channel::Kernel;
+use crate::channel::flow::{Called, Pending};
+use counterpoint_dialect::{CycleWord, MadeBlocks, MadeWord, Words};
+use counterpoint_event::FileId;
+use counterpoint_event::event::{Call, Kind, Return};
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_program::shape::Range;
+
+impl Kernel<'_> {
+    /// Executes a resident program that is a cycle of the control; false if it is an ordinary program.
+    pub(crate) fn cycle_at_once(
+        &mut self,
+        (file, range): (FileId, Range),
+        called: &Called,
+        name: &Arc<str>,
+    ) -> Result<bool, Halt> {
+        if !self.channel.env.info.is_resident(file) {
+            return Ok(false);
+        }
+        let mut blocks = std::mem::take(&mut self.dialect.cycle_blocks);
+        let done = self.passes_at_once((file, range), called, name, &mut blocks);
+        self.dialect.cycle_blocks = blocks;
+        done
+    }
+
+    fn passes_at_once(
+        &mut self,
+        program: (FileId, Range),
+        called: &Called,
+        name: &Arc<str>,
+        blocks: &mut MadeBlocks,
+    ) -> Result<bool, Halt> {
+        let modes = self.channel.state.modal.saved();
+        for pass in 0..called.passes {
+            blocks.clear();
+            let made = self.with_interpreter(|interpreter, kernel| interpreter.cycle(kernel, program, blocks));
+            if !made.unwrap_or(Ok(false))? {
+                return Ok(false);
+            }
+            if pass == 0 {
+                self.cycle_begins(name);
+            }
+            blocks.iter().try_for_each(|words| self.cycle_block(words))?;
+        }
+        if blocks.restores_codes {
+            self.put_modes_back(&modes);
+        }
+        let level = self.flow.frames.len() as u16;
+        self.emit_as(0, |kind| *kind = Kind::Return(Return { level }));
+        if let Some(hooks) = self.plan.hooks {
+            (hooks.program.returned)(self, called, program)?;
+        }
+        Ok(true)
+    }
+
+    fn cycle_begins(&mut self, name: &Arc<str>) {
+        let level = self.flow.frames.len() as u16;
+        self.emit_as(0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
+        if self.ports.emitter.carries(name.len()) {
+            self.flush();
+        }
+        self.flow.pass.changes = true;
+    }
+
+    /// Executes a block of a cycle. Its words stand for the whole block of the program that calls.
+    fn cycle_block(&mut self, words: &[CycleWord]) -> Acted {
+        self.keep_pace();
+        self.count_as_block()?;
+        let span = (0, u32::try_from(self.current_text().len()).unwrap_or(u32::MAX));
+        self.channel.block.clear();
+        for word in words {
+            match *word {
+                CycleWord::Register(word) => self.push(MadeWord { span, ..word }),
+                CycleWord::Text(row) => self.push_text(row),
+            }
+        }
+        self.flow.pass.effects = true;
+        self.made_words()?;
+        self.channel.check_stop()?;
+        if self.plan.rules.overlaps {
+            self.end_functions();
+        }
+        match self.flow.pending {
+            Some(Pending::End(stop)) => Err(Halt::ProgramEnd(Some(stop))),
+            _ => Ok(()),
+        }
+    }
+}
