@@ -5,4 +5,5 @@ pub mod deny;
 mod floors;
 mod graph;
 mod modules;
+pub mod package;
 pub mod tidy;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+use xtask::package::{self, Plan};
 use xtask::{deny, tidy};
 
 const HELP: &str = "\
@@ -14,6 +15,8 @@ Usage: cargo xtask TASK
   tidy    Check floors, cycles, and sizes of files and types; --update rewrites the list of exceptions
   deny    Check licences, banned crates and sources of everything that is built (deny.toml)
   doc     Build the documentation of the code, with warnings as errors
+  package Make the Debian package and the .tar.gz of both programs in target/package; package FOLDER takes the programs
+          of a folder, otherwise they are built for release
 ";
 
 fn root() -> PathBuf {
@@ -52,6 +55,24 @@ fn spec(filter: &[&str]) -> bool {
     pages.iter().filter(|pages| !run(pages)).count() == 0
 }
 
+/// Makes the packages of the programs in a folder, or of those that it builds for release.
+fn package(programs: Option<&str>) -> bool {
+    let build = ["build", "--release", "--package", "counterpoint-server", "--package", "counterpoint-cli", "--bins"];
+    if programs.is_none() && !cargo(&build) {
+        return false;
+    }
+    let programs = programs.map_or_else(|| root().join("target/release"), PathBuf::from);
+    let plan = Plan { programs, out: root().join("target/package"), debian: cfg!(target_os = "linux"), level: 9 };
+    match package::make(&root(), &plan) {
+        Ok(made) => made.iter().for_each(|path| complain(&path.display().to_string())),
+        Err(error) => {
+            complain(&error);
+            return false;
+        }
+    }
+    true
+}
+
 /// Prints the findings of a check; returns whether there are none.
 fn is_clean(findings: Result<Vec<String>, String>) -> bool {
     match findings {
@@ -77,6 +98,8 @@ fn main() -> ExitCode {
         ["tidy"] => is_clean(tidy::check(&root(), false)),
         ["tidy", "--update"] => is_clean(tidy::check(&root(), true)),
         ["deny"] => is_clean(deny::check(&root())),
+        ["package"] => package(None),
+        ["package", programs] => package(Some(programs)),
         ["doc"] => run("cargo", &["doc", "--workspace", "--no-deps"], Some(("RUSTDOCFLAGS", "-D warnings"))),
         _ => {
             complain(HELP);

@@ -1,0 +1,147 @@
+//! `cargo xtask package`: both programs with completions, man pages, the unit, a configuration and all licences, as a
+//! Debian package and as a `.tar.gz`.
+//!
+//! *Invariant:* every file of a package is made from the repository and from the two programs, which print their own man
+//! pages, completions and options; the same programs give the same packages, byte for byte.
+
+mod archive;
+mod debian;
+mod notices;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use archive::{File, Files};
+
+use crate::graph;
+
+/// Programs, formats and the place of packages.
+#[derive(Debug)]
+pub struct Plan {
+    /// Folder with the programs `counterpoint` and `counterpointd`.
+    pub programs: PathBuf,
+    /// Folder for the packages.
+    pub out: PathBuf,
+    /// Make the Debian package, too.
+    pub debian: bool,
+    /// Level of the compression, 0 to 9.
+    pub level: u32,
+}
+
+/// Documents that both kinds of packages have.
+const DOCUMENTS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
+/// Name of a completion script below `usr/share`, by shell.
+const COMPLETIONS: [(&str, &str); 3] = [
+    ("bash", "bash-completion/completions/counterpoint"),
+    ("zsh", "zsh/vendor-completions/_counterpoint"),
+    ("fish", "fish/vendor_completions.d/counterpoint.fish"),
+];
+/// Lines of the unit, and those of the unit in a package: a package has a user of its own, which owns the data folder
+/// also while the server is stopped.
+const UNIT: [(&str, &str); 2] = [
+    ("/usr/local/bin/", "/usr/bin/"),
+    ("DynamicUser=yes\n", "User=counterpoint\nGroup=counterpoint\nStateDirectoryMode=0700\n"),
+];
+
+fn read(path: &Path) -> Result<Vec<u8>, String> {
+    std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// Output of a program that must succeed, without options from the environment.
+fn printed(program: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
+    let mut command = Command::new(program);
+    for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("COUNTERPOINT_")) {
+        command.env_remove(name);
+    }
+    let output = command.args(arguments).output().map_err(|error| format!("{}: {error}", program.display()))?;
+    match output.status.success() {
+        true => Ok(output.stdout),
+        false => Err(format!("{}: {}", program.display(), String::from_utf8_lossy(&output.stderr))),
+    }
+}
+
+/// The unit for the paths and the user of a package.
+fn unit(text: &str) -> Result<String, String> {
+    UNIT.iter().try_fold(text.to_owned(), |text, (from, to)| match text.contains(from) {
+        true => Ok(text.replace(from, to)),
+        false => Err(format!("deploy/counterpointd.service has no '{}' any more", from.trim())),
+    })
+}
+
+/// Time of the last commit, or of SOURCE_DATE_EPOCH, seconds since 1970.
+fn time(root: &Path) -> u64 {
+    let given = std::env::var("SOURCE_DATE_EPOCH").ok();
+    let commit = || {
+        let output = Command::new("git").args(["log", "-1", "--format=%ct"]).current_dir(root).output().ok()?;
+        String::from_utf8(output.stdout).ok()
+    };
+    given.or_else(commit).and_then(|text| text.trim().parse().ok()).unwrap_or(1)
+}
+
+/// All files, as a Debian package places them.
+fn files(root: &Path, plan: &Plan) -> Result<Files, String> {
+    let mut files = Files::new();
+    let mut add = |path: &str, content: Vec<u8>, executable| {
+        files.insert(path.to_owned(), File { content, executable });
+    };
+    let (line, server) = (plan.programs.join("counterpoint"), plan.programs.join("counterpointd"));
+    add("usr/bin/counterpoint", read(&line)?, true);
+    add("usr/bin/counterpointd", read(&server)?, true);
+    for (shell, path) in COMPLETIONS {
+        add(&format!("usr/share/{path}"), printed(&line, &["completions", shell])?, false);
+    }
+    let pages = plan.out.join("man");
+    printed(&line, &["man", &pages.to_string_lossy()])?;
+    for page in std::fs::read_dir(&pages).map_err(|error| format!("{}: {error}", pages.display()))?.flatten() {
+        let content = archive::gzip(&read(&page.path())?, plan.level).map_err(|error| error.to_string())?;
+        add(&format!("usr/share/man/man1/{}.gz", page.file_name().to_string_lossy()), content, false);
+    }
+    std::fs::remove_dir_all(&pages).map_err(|error| format!("{}: {error}", pages.display()))?;
+    let text = String::from_utf8_lossy(&read(&root.join("deploy/counterpointd.service"))?).into_owned();
+    add("usr/lib/systemd/system/counterpointd.service", unit(&text)?.into_bytes(), false);
+    add("etc/counterpoint/counterpointd.toml", read(&root.join("deploy/debian/counterpointd.toml"))?, false);
+    let of = |name: &str| format!("usr/share/doc/counterpoint/{name}");
+    add(&of("counterpointd.toml.example"), printed(&server, &["--print-config"])?, false);
+    for name in DOCUMENTS {
+        add(&of(name), read(&root.join(name))?, false);
+    }
+    let own = "Counterpoint: MIT OR Apache-2.0, see LICENSE-MIT and LICENSE-APACHE beside this file.\n\n";
+    let linked = graph::linked(root, &["counterpoint-server", "counterpoint-cli"])?;
+    add(&of("copyright"), [own, &notices::notices(&linked)?].concat().into_bytes(), false);
+    Ok(files)
+}
+
+/// Makes the packages; returns their paths.
+///
+/// # Errors
+/// A program cannot be run, a file cannot be read or written, or a crate names no licence.
+pub fn make(root: &Path, plan: &Plan) -> Result<Vec<PathBuf>, String> {
+    std::fs::create_dir_all(&plan.out).map_err(|error| format!("{}: {error}", plan.out.display()))?;
+    let (files, time) = (files(root, plan)?, time(root));
+    let (version, processor) = (env!("CARGO_PKG_VERSION"), std::env::consts::ARCH);
+    let name = format!("counterpoint-{version}-{}-{processor}", std::env::consts::OS);
+    let archive = archive::tar_gz(&files, &name, (time, plan.level)).map_err(|error| error.to_string())?;
+    let mut made = vec![(format!("{name}.tar.gz"), archive)];
+    if plan.debian {
+        made.push(debian::package(root, &files, (version, processor), (time, plan.level))?);
+    }
+    let write = |(name, content): (String, Vec<u8>)| {
+        let path = plan.out.join(name);
+        std::fs::write(&path, content).map_err(|error| format!("{}: {error}", path.display())).map(|()| path)
+    };
+    made.into_iter().map(write).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_unit_of_a_package_has_its_paths_and_its_user() {
+        let text = include_str!("../../../deploy/counterpointd.service");
+        let unit = unit(text).unwrap();
+        assert!(unit.contains("ExecStart=/usr/bin/counterpointd --config /etc/counterpoint/counterpointd.toml"));
+        assert!(unit.contains("\nUser=counterpoint\n") && !unit.contains("DynamicUser"), "{unit}");
+        assert!(super::unit("[Service]\n").is_err_and(|error| error.contains("/usr/local/bin/")));
+    }
+}

@@ -1,0 +1,48 @@
+# Runs inside a throwaway copy of a Debian system: installs, uses, removes and purges /tmp/counterpoint.deb.
+export DEBIAN_FRONTEND=noninteractive
+install_package() { dpkg -i /tmp/counterpoint.deb; }
+data=/var/lib/counterpoint
+
+install_package
+id counterpoint
+[ "$(stat -c '%U %a' $data)" = "counterpoint 700" ]
+[ -f /etc/counterpoint/counterpointd.toml ]
+[ -z "$(dpkg --audit)" ]
+if command -v systemd-analyze >/dev/null; then
+    systemd-analyze verify /usr/lib/systemd/system/counterpointd.service 2>&1 | grep counterpointd.service && exit 1
+fi
+echo "ok: installed"
+
+cd /tmp
+setpriv --reuid counterpoint --regid counterpoint --clear-groups \
+    counterpointd --config /etc/counterpoint/counterpointd.toml --listen 127.0.0.1:0 >/tmp/address 2>/tmp/log &
+server=$!
+while ! grep -q listening /tmp/address; do kill -0 $server || { cat /tmp/log; exit 1; }; done
+address=$(sed -n 's|.*listening on http://||p' /tmp/address)
+printf 'O1\nT0101\nG97 S1000 M3\nG0 X20. Z2.\nG1 Z-10. F0.2\nM30\n' >/tmp/part.nc
+job=$(counterpoint submit --server "http://$address" --machine fanuc-lathe /tmp/part.nc)
+counterpoint wait --server "http://$address" "$job"
+kill $server
+wait $server
+[ "$(stat -c '%U' $data/ledger.redb 2>/dev/null || stat -c '%U' $data/lock)" = counterpoint ]
+echo "ok: ran a job"
+
+dpkg -r counterpoint
+[ -d $data ] && [ -f /etc/counterpoint/counterpointd.toml ] && [ ! -e /usr/bin/counterpointd ]
+echo "ok: kept on remove"
+
+install_package
+dpkg -P counterpoint
+[ -d $data ] && [ ! -e /etc/counterpoint/counterpointd.toml ]
+echo "ok: kept on purge"
+
+install_package
+echo "counterpoint counterpoint/remove-data boolean true" | debconf-set-selections
+dpkg -P counterpoint
+[ ! -e $data ]
+echo "ok: removed as asked"
+
+install_package
+dpkg -P counterpoint
+[ ! -e $data ]
+echo "ok: removed when empty"

@@ -1,0 +1,117 @@
+//! The packages of the programs: what is in them, and that they install, run, and leave the data of the server alone.
+
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use xtask::package::{Plan, make};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Runs a command that must succeed; returns its output.
+fn done(command: &mut Command) -> String {
+    let Output { status, stdout, stderr } = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let text = String::from_utf8_lossy(&[stdout, stderr].concat()).into_owned();
+    assert!(status.success(), "{command:?}: {text}");
+    text
+}
+
+/// Builds both programs beside this test; returns their folder.
+fn programs() -> PathBuf {
+    let folder = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().to_path_buf();
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args(["build", "--bins", "--package", "counterpoint-server", "--package", "counterpoint-cli"]);
+    if folder.file_name().is_some_and(|name| name == "release") {
+        cargo.arg("--release");
+    }
+    done(cargo.current_dir(root()));
+    folder
+}
+
+/// The packages, made once for all tests beside the programs.
+fn packages() -> &'static [PathBuf] {
+    static MADE: OnceLock<Vec<PathBuf>> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let programs = programs();
+        let out = programs.join("package");
+        make(&root(), &Plan { programs, out, debian: cfg!(target_os = "linux"), level: 0 }).unwrap()
+    })
+}
+
+#[test]
+fn the_archive_has_programs_that_run_and_all_licences() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = packages();
+    done(Command::new("tar").arg("-xzf").arg(&made[0]).arg("-C").arg(folder.path()));
+    let name = made[0].file_name().unwrap().to_string_lossy().into_owned();
+    let unpacked = folder.path().join(name.strip_suffix(".tar.gz").unwrap());
+    for program in ["counterpoint", "counterpointd"] {
+        let version = done(Command::new(unpacked.join("usr/bin").join(program)).arg("--version"));
+        assert!(version.contains(env!("CARGO_PKG_VERSION")), "{version}");
+    }
+    for path in [
+        "usr/share/man/man1/counterpoint-run.1.gz",
+        "usr/share/bash-completion/completions/counterpoint",
+        "usr/share/zsh/vendor-completions/_counterpoint",
+        "usr/share/fish/vendor_completions.d/counterpoint.fish",
+        "usr/lib/systemd/system/counterpointd.service",
+        "etc/counterpoint/counterpointd.toml",
+        "usr/share/doc/counterpoint/LICENSE-MIT",
+    ] {
+        assert!(unpacked.join(path).is_file(), "{path}");
+    }
+    let text = |path: &str| std::fs::read_to_string(unpacked.join("usr/share/doc/counterpoint").join(path)).unwrap();
+    assert!(text("counterpointd.toml.example").contains("max_blob_bytes"));
+    let licences = text("copyright");
+    for part in ["\ntokio 1.", "\ntonic 0.", "Permission is hereby granted", "Apache License", "standard library"] {
+        assert!(licences.contains(part), "{part}");
+    }
+    assert!(!licences.contains("\nprost-reflect 0."), "crates of tests only are not in the programs");
+}
+
+/// Installs the package over a copy of this system that is gone afterwards.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_debian_package_installs_runs_and_keeps_the_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = packages();
+    for (tool, argument) in [("dpkg-deb", "--info"), ("dpkg-deb", "--contents")] {
+        match Command::new(tool).arg(argument).arg(&made[1]).output() {
+            Ok(output) => assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr)),
+            Err(error) => return eprintln!("skipped: {tool}: {error}"),
+        }
+    }
+    let layers = folder.path().join("layers");
+    std::fs::create_dir(&layers).unwrap();
+    let mut inside = Command::new("unshare");
+    inside.args(["--mount", "--pid", "--fork", "--kill-child", "sh", "-e", "-c"]);
+    inside.arg(
+        "mount -t tmpfs tmpfs \"$1\"; mkdir \"$1\"/upper \"$1\"/work \"$1\"/root
+        mount -t overlay overlay -o \"lowerdir=/,upperdir=$1/upper,workdir=$1/work\" \"$1\"/root
+        mount --bind /dev \"$1\"/root/dev; mount -t proc proc \"$1\"/root/proc; mount -t tmpfs tmpfs \"$1\"/root/run
+        mkdir -p \"$1\"/root/tmp; cp \"$2\" \"$1\"/root/tmp/counterpoint.deb; cp \"$3\" \"$1\"/root/tmp/inside.sh
+        command -v dpkg >/dev/null; chroot \"$1\"/root true; echo ready",
+    );
+    inside.arg("sh").arg(&layers).arg(&made[1]).arg(root().join("xtask/tests/installed.sh"));
+    let probe = inside.output();
+    let ready = |output: &Output| output.status.success() && String::from_utf8_lossy(&output.stdout).contains("ready");
+    match probe {
+        Ok(output) if ready(&output) => {}
+        Ok(output) => {
+            return eprintln!("skipped: no layer over this system: {}", String::from_utf8_lossy(&output.stderr));
+        }
+        Err(error) => return eprintln!("skipped: unshare: {error}"),
+    }
+    let script = inside.get_args().map(|part| part.to_string_lossy().into_owned()).collect::<Vec<_>>();
+    let mut whole = Command::new("unshare");
+    whole.args(&script[..7]).arg(format!("{}; chroot \"$1\"/root sh -e /tmp/inside.sh", script[7]));
+    let text = done(whole.args(&script[8..]));
+    for part in ["installed", "ran a job", "kept on remove", "kept on purge", "removed as asked", "removed when empty"]
+    {
+        assert!(text.contains(&format!("ok: {part}")), "{part}: {text}");
+    }
+}
