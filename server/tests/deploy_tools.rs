@@ -33,6 +33,28 @@ fn the_rules_pass_the_checks_of_prometheus_and_each_alert_fires_in_time() {
     assert!(tested.is_none_or(|text| text.contains("SUCCESS") && !text.contains("FAILED")));
 }
 
+/// `COUNTERPOINT_HELM` names the tool where it is not installed.
+#[test]
+fn helm_accepts_the_chart_and_renders_it_with_and_without_the_monitor() {
+    let tool = std::env::var("COUNTERPOINT_HELM").unwrap_or_else(|_| "helm".to_owned());
+    let chart = deploy("helm/counterpoint");
+    let image = ["--set", "image.repository=registry.example/counterpoint"];
+    let linted = output(&tool, &[&["lint", "--strict"][..], &image].concat(), &chart);
+    assert!(linted.is_none_or(|text| text.contains("0 chart(s) failed")));
+    let monitor = ["--set", "metrics.serviceMonitor=true", "--api-versions", "monitoring.coreos.com/v1"];
+    for (more, kinds) in [
+        (&[][..], &["ConfigMap", "Service", "StatefulSet"][..]),
+        (&monitor[..], &["ConfigMap", "Service", "ServiceMonitor", "StatefulSet"][..]),
+    ] {
+        let Some(text) = output(&tool, &[&["template", "counterpoint"][..], &image, more].concat(), &chart) else {
+            return;
+        };
+        let mut rendered: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("kind: ")).collect();
+        rendered.sort_unstable();
+        assert_eq!(rendered, kinds, "{text}");
+    }
+}
+
 /// systemd accepts each line of the unit, and rates its exposure (0 to 10) at 2.5 or less.
 #[cfg(target_os = "linux")]
 #[test]
