@@ -247,6 +247,10 @@ pub(crate) struct Submit {
     pub(crate) remote: Remote,
     #[command(flatten)]
     pub(crate) request: RequestArgs,
+    /// Submit each program as a job of its own instead of one job with a channel for each; one id per line, in the order
+    /// of the programs
+    #[arg(long)]
+    pub(crate) each: bool,
     /// Print the id as JSON
     #[arg(long)]
     pub(crate) json: bool,

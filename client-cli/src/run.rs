@@ -121,14 +121,56 @@ fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
 
 /// Submits programs to a server.
 pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
+    if arguments.each {
+        return submit_each(arguments).await;
+    }
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
-    let name = machine(&client, &arguments.inputs, &pack, false).await?;
-    let (request, attended) = (jobs::request(&arguments.request), arguments.inputs.operator.attend);
-    let job =
-        submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, lint: false }).await?;
+    let job = submit_one(&client, &arguments.inputs, pack, jobs::request(&arguments.request)).await?;
     jobs::say_id(&job, arguments.json)?;
     Ok(0)
+}
+
+async fn submit_one(
+    client: &Client,
+    inputs: &Inputs,
+    pack: pack::Pack,
+    request: v1::SubmitJobRequest,
+) -> Result<String, Error> {
+    let name = machine(client, inputs, &pack, false).await?;
+    let submission = Submission { request, attended: inputs.operator.attend, lint: false };
+    submit_pack(client, inputs, pack, name, submission).await
+}
+
+/// Submits each program as a job. A program that cannot be submitted is reported, and the others are submitted; the exit
+/// code is the highest. Without a connection nothing else can be submitted.
+async fn submit_each(mut arguments: Submit) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let id = jobs::request(&arguments.request).request_id;
+    let mut code = 0;
+    for (number, program) in (1..).zip(std::mem::take(&mut arguments.inputs.programs)) {
+        // The ids are the same when the command is repeated with its id.
+        let request =
+            v1::SubmitJobRequest { request_id: format!("{id}-{number}"), ..jobs::request(&arguments.request) };
+        arguments.inputs.programs = vec![program.clone()];
+        let done = match pack::job(&arguments.inputs) {
+            Ok(pack) => submit_one(&client, &arguments.inputs, pack, request).await,
+            Err(error) => Err(error),
+        };
+        match done {
+            Ok(job) if arguments.json => {
+                say::data(format!("{}\n", serde_json::json!({ "job": job, "program": program })).as_bytes())?;
+            }
+            Ok(job) => jobs::say_id(&job, false)?,
+            Err(error @ Error::Connection(_)) => return Err(error),
+            Err(error) => {
+                say::status_line(format!("{program}: not submitted"));
+                say::error(&error);
+                code = code.max(error.code());
+            }
+        }
+    }
+    Ok(code)
 }
 
 /// The machine to run on; one of a folder, or one with other data, is uploaded first.

@@ -1282,3 +1282,37 @@ fn plain_mistakes_are_told_by_name() {
     let output = counterpoint(&["calibrate", "--machine", "fanuc-mill", "--measured", &measured, &mill]);
     assert!(!told(&output).contains("panicked"), "{}", told(&output));
 }
+
+#[test]
+fn each_program_becomes_a_job_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_runtime, url) = server(folder.path());
+    let one = program(folder.path(), "one.nc", "O1\nG0 X1.\nM30\n");
+    let other = program(folder.path(), "other.nc", "O2\nG0 X2.\nM30\n");
+    let absent = folder.path().join("absent.nc").display().to_string();
+    let with = ["--machine", "fanuc-mill", "--request-id", "night", "--server", &url];
+    let each = |programs: &[&str], more: &[&str]| {
+        let output = counterpoint(&[&["submit", "--each"][..], programs, &with, more].concat());
+        let out = String::from_utf8_lossy(&output.stdout).into_owned();
+        (code(&output), out, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (status, out, talk) = each(&[&one, &absent, &other], &[]);
+    assert_eq!(status, 2, "{talk}");
+    assert!(talk.contains(&format!("{absent}: not submitted")) && talk.contains("does not exist"), "{talk}");
+    let jobs: Vec<&str> = out.lines().collect();
+    assert_eq!(jobs.len(), 2, "{out}");
+    // A repeat with the same id finds the same jobs.
+    let (status, lines, talk) = each(&[&one, &absent, &other], &["--json"]);
+    assert_eq!(status, 2, "{talk}");
+    let lines: Vec<serde_json::Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let pairs = [(jobs[0], &one), (jobs[1], &other)];
+    for (line, (job, program)) in lines.iter().zip(pairs) {
+        assert_eq!((&line["job"], &line["program"]), (&job.into(), &program.as_str().into()));
+    }
+    for job in jobs {
+        let output = counterpoint(&["wait", job, "--server", &url]);
+        assert_eq!(code(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let output = counterpoint(&["jobs", "--server", &url, "--json"]);
+    assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 2);
+}
