@@ -47,7 +47,7 @@ const PIECE: usize = 1 << 20;
 fn has_embedded(info: &Info, files: &dyn Files, stop: &Stop) -> bool {
     let has = |text: &[u8]| {
         // Piece by piece, with the byte after each: a mark has two.
-        let pieces = (0..text.len()).step_by(PIECE).take_while(|_| !stop.asked());
+        let pieces = (0..text.len()).step_by(PIECE).take_while(|_| !stop.asked_once_resumed());
         let mut pieces = pieces.filter_map(|at| text.get(at..text.len().min(at + PIECE + 1)));
         pieces.any(|piece| [&b"#{"[..], b"!{"].into_iter().any(|mark| memchr::memmem::find(piece, mark).is_some()))
     };
@@ -100,7 +100,7 @@ impl Job {
         spec.options.limits = spec.options.limits.capped();
         let syntax = |machine: &Machine| counterpoint_dialect::of(machine).syntax();
         let (info, sources) = match counterpoint_program::layout::assign(&spec, syntax, files, stop) {
-            _ if stop.asked() => return Err(cancelled()),
+            _ if stop.asked_once_resumed() => return Err(cancelled()),
             Ok(assigned) => assigned,
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),
         };
@@ -113,7 +113,7 @@ impl Job {
         };
         let macros = compiled(&spec.machine);
         let components = spec.machine.components.iter().map(|component| compiled(&component.machine)).collect();
-        if stop.asked() {
+        if stop.asked_once_resumed() {
             return Err(cancelled());
         }
         Ok(Self { spec, info: Arc::new(info), sources, macros, components, plans: None })

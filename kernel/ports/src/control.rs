@@ -185,6 +185,13 @@ impl Control {
         self.stop.asked()
     }
 
+    /// The same for long work of a block: waits while the job is suspended.
+    #[must_use]
+    #[inline(always)]
+    pub fn cancelled_once_resumed(&self) -> bool {
+        self.stop.asked_once_resumed()
+    }
+
     /// The request itself, to be checked where there is no control.
     #[must_use]
     pub fn stop(&self) -> &Stop {

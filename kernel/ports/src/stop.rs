@@ -40,8 +40,8 @@ impl Stop {
         self.bits() & END != 0
     }
 
-    /// Lets the threads of the job wait before their next block until [`resume`](Self::resume). The events of the job
-    /// stay the same.
+    /// Lets the threads of the job wait before their next block, or at the next look of long work, until
+    /// [`resume`](Self::resume). The events of the job stay the same.
     pub fn suspend(&self) {
         self.0.bits.fetch_or(SUSPENDED, Ordering::Relaxed);
     }
@@ -58,6 +58,20 @@ impl Stop {
         if self.bits() & SUSPENDED != 0 {
             self.sleep();
         }
+    }
+
+    /// Whether the end was requested, for work on a thread of the job that is no block: waits while the job is suspended.
+    #[must_use]
+    #[inline(always)]
+    pub fn asked_once_resumed(&self) -> bool {
+        self.bits() != 0 && self.ends_once_resumed()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn ends_once_resumed(&self) -> bool {
+        self.wait_while_suspended();
+        self.asked()
     }
 
     #[cold]
@@ -101,27 +115,26 @@ mod tests {
 
     use super::*;
 
-    /// A thread that waits while the job is suspended, and whether it has come through.
-    fn waiting(stop: &Stop) -> std::sync::mpsc::Receiver<()> {
+    /// A thread that waits while the job is suspended, and whether it was to end when it came through.
+    fn waiting(stop: &Stop) -> std::sync::mpsc::Receiver<bool> {
         let (through, came) = channel();
         let stop = stop.clone();
         std::thread::spawn(move || {
-            stop.wait_while_suspended();
-            let _ = through.send(());
+            let _ = through.send(stop.asked_once_resumed());
         });
         came
     }
 
     #[test]
     fn a_suspended_job_waits_until_it_is_resumed_or_to_end() {
-        for end in [Stop::resume, Stop::ask] {
+        for (end, asked) in [(Stop::resume as fn(&Stop), false), (Stop::ask, true)] {
             let stop = Stop::default();
             stop.suspend();
             let came = waiting(&stop);
             assert_eq!(came.recv_timeout(Duration::from_millis(20)), Err(RecvTimeoutError::Timeout));
             end(&stop);
-            assert_eq!(came.recv_timeout(Duration::from_secs(60)), Ok(()));
-            assert_eq!(waiting(&stop).recv_timeout(Duration::from_secs(60)), Ok(()));
+            assert_eq!(came.recv_timeout(Duration::from_secs(60)), Ok(asked));
+            assert_eq!(waiting(&stop).recv_timeout(Duration::from_secs(60)), Ok(asked));
         }
     }
 
@@ -130,7 +143,7 @@ mod tests {
         let stop = Stop::default();
         stop.ask();
         stop.suspend();
-        assert_eq!(waiting(&stop).recv_timeout(Duration::from_secs(60)), Ok(()));
+        assert_eq!(waiting(&stop).recv_timeout(Duration::from_secs(60)), Ok(true));
         assert!(stop.asked());
     }
 }

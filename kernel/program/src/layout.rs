@@ -152,7 +152,7 @@ fn file_table(
         sections: source.map_or(Vec::new(), sections_of),
     };
     for (place, program) in spec.programs.iter().enumerate() {
-        if stop.asked() || !known.insert(program.file.clone()) {
+        if stop.asked_once_resumed() || !known.insert(program.file.clone()) {
             continue;
         }
         let source = match files.read(&program.file) {

@@ -63,7 +63,7 @@ impl Source {
     /// their result must not be used any more.
     #[must_use]
     pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop) -> Self {
-        let text = Arc::new(Text::new(bytes, || stop.asked()));
+        let text = Arc::new(Text::new(bytes, || stop.asked_once_resumed()));
         let (programs, sequences, tape) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
         let has = [const { AtomicU8::new(UNKNOWN) }; 256];
         let (labels, sections, views) = (OnceLock::new(), Vec::new(), Vec::new());
@@ -273,7 +273,7 @@ fn next_definition(source: &Source, shape: &Shape, first: u32) -> Option<u32> {
     };
     let (text, mut line) = (source.text(), first);
     // Few lines contain any of the letters.
-    while !source.stop.asked()
+    while !source.stop.asked_once_resumed()
         && let at = text.start(line)
         && let Some(found) = memchr::memchr3(a, b, c, text.bytes().get(at..)?)
     {
@@ -301,13 +301,13 @@ impl Iterator for Walk<'_> {
 
     #[inline]
     fn next(&mut self) -> Option<u32> {
-        if self.stop.asked() { None } else { self.lines.next() }
+        if self.stop.asked_once_resumed() { None } else { self.lines.next() }
     }
 }
 
 impl DoubleEndedIterator for Walk<'_> {
     fn next_back(&mut self) -> Option<u32> {
-        if self.stop.asked() { None } else { self.lines.next_back() }
+        if self.stop.asked_once_resumed() { None } else { self.lines.next_back() }
     }
 }
 

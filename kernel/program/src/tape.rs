@@ -185,7 +185,7 @@ impl Tape {
     ) -> (Option<String>, Edited) {
         let (mut text, mut edited): (Option<String>, _) = (None, Edited::default());
         let (mut next, mut left) = (Some(first), MOST_STEPS);
-        while let Some(number) = next.filter(|_| !stop.asked()) {
+        while let Some(number) = next.filter(|_| !stop.asked_once_resumed()) {
             let now = text.as_deref().unwrap_or(line);
             let rule = self.rules.get(number);
             edited.work += if unsure { now.len() } else { 0 };

@@ -17,7 +17,7 @@ impl Kernel<'_> {
         if self.channel.burden.work / LOOK_EVERY == before / LOOK_EVERY {
             return Ok(());
         }
-        if self.ports.control.cancelled() {
+        if self.ports.control.cancelled_once_resumed() {
             return Err(Halt::Stopped);
         }
         self.check_limits()

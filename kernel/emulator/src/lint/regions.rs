@@ -108,7 +108,7 @@ impl Walk<'_, '_> {
             if text.is_empty() {
                 continue;
             }
-            if self.kernel.ports.control.cancelled() {
+            if self.kernel.ports.control.cancelled_once_resumed() {
                 return Err(Halt::Stopped);
             }
             let outline = self.outline(&text);

@@ -34,7 +34,7 @@ impl Walk<'_, '_> {
                 return Ok(());
             }
             let Some(text) = self.text()? else { return Ok(()) };
-            if self.kernel.ports.control.cancelled() {
+            if self.kernel.ports.control.cancelled_once_resumed() {
                 return Err(Halt::Stopped);
             }
             if text.is_empty() {
