@@ -30,6 +30,7 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     ("counterpoint_jobs_accepted_total", "counter", "Jobs accepted"),
     ("counterpoint_jobs_ended_total", "counter", "Jobs ended, by `state`"),
     ("counterpoint_runs_failed_by_host_total", "counter", "Runs that the host failed; their jobs run again"),
+    ("counterpoint_suspensions_total", "counter", "Times that a run was suspended for other tenants"),
     (
         "counterpoint_limits_reached_total",
         "counter",
@@ -150,6 +151,8 @@ pub(crate) struct Jobs {
     pub(crate) accepted: Counter,
     ended: Family<One, Counter>,
     pub(crate) failed_by_host: Counter,
+    /// Times that a run was suspended.
+    pub(crate) suspended: Counter,
     limits: Family<One, Counter>,
     queued: Family<ByClass, Gauge>,
     age: Family<ByClass, Gauge>,
@@ -239,6 +242,7 @@ impl Metrics {
         register(all, "counterpoint_jobs_accepted_total", jobs.accepted.clone());
         register(all, "counterpoint_jobs_ended_total", jobs.ended.clone());
         register(all, "counterpoint_runs_failed_by_host_total", jobs.failed_by_host.clone());
+        register(all, "counterpoint_suspensions_total", jobs.suspended.clone());
         register(all, "counterpoint_limits_reached_total", jobs.limits.clone());
         register(all, "counterpoint_jobs_queued", jobs.queued.clone());
         register(all, "counterpoint_jobs_paused", jobs.paused.clone());

@@ -1,11 +1,11 @@
 //! The queue: which job runs next, and how many are before a given one.
 //!
-//! [`Queue`] is the seam; the one in memory is in `local`. Tenants with waiting jobs take turns, and a turn is worth
-//! the same time of workers for each. Of one tenant, urgent jobs go first and others in the order of acceptance; a job
-//! that has waited long counts as more urgent. Two kinds go before all of them: jobs whose run the host failed, when
-//! their time has come, and, one at a time, jobs that were running when the previous server died. A job that is held
-//! back keeps its place among the jobs that a tenant may let wait, but takes no turn. Invariant: a job is waiting,
-//! running or being stored, and never two of these.
+//! [`Queue`] is the seam; the one in memory is in `local`. Tenants get equal shares of worker time: the tenant that has
+//! used the least is next, and a run of the tenant that has used the most is suspended for it. Of one tenant, urgent
+//! jobs go first and others in the order of acceptance; a job that has waited long counts as more urgent. Two kinds go
+//! before these: jobs of the tenant whose run the host failed, when their time has come, and, one at a time, jobs that
+//! were running when the previous server died. A job that is held back keeps its place among the jobs that a tenant may
+//! let wait, but takes no turn. Invariant: a job is waiting, running or being stored, and never two of these.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Debug;
@@ -34,6 +34,19 @@ pub(crate) struct Ticket<'a> {
     pub(crate) priority: Priority,
 }
 
+/// The state of the server at a decision of the queue.
+pub(crate) struct Look<'a> {
+    /// Runs that may use a core at the same time.
+    pub(crate) slots: usize,
+    /// Whether jobs may start now.
+    pub(crate) starts: bool,
+    /// Whether there is memory for more than twice as many runs as slots.
+    pub(crate) room: bool,
+    pub(crate) now: Instant,
+    /// Whether a run takes no processor time until a client acts.
+    pub(crate) stands: &'a dyn Fn(&str) -> bool,
+}
+
 /// Jobs that wait, and who has a place. Calls do not block.
 pub(crate) trait Queue: Send + Debug {
     /// Lets each tenant have `most` workers, and single tenants other numbers; 0 = without limit. Jobs that run
@@ -59,9 +72,9 @@ pub(crate) trait Queue: Send + Debug {
     /// Lets a job wait.
     fn push(&mut self, ticket: Ticket<'_>, entry: Entry);
 
-    /// Takes the next job if one of the `slots` workers is free for it. A tenant without a running job gets a worker
-    /// beyond them, up to as many again, so that long jobs of others do not keep it waiting.
-    fn next(&mut self, slots: usize, now: Instant) -> Option<String>;
+    /// Divides the slots among the tenants: suspends and resumes runs, and takes the next job that starts. To be called
+    /// until it returns none.
+    fn next(&mut self, look: &Look<'_>) -> Option<String>;
 
     /// A run is over: its job gives its worker free before its end is stored, unless too many do that already.
     fn store(&mut self, id: &str, now: Instant);
@@ -75,12 +88,11 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs that are likely to run before this one; 0 if it does not wait.
     fn before(&self, id: &str) -> usize;
 
-    /// Jobs on workers.
+    /// Jobs on workers, also suspended ones.
     fn running(&self) -> Vec<String>;
 
-    /// Jobs on workers that have to give their core to others, so that no more than `slots` jobs use one: of tenants
-    /// with several jobs on workers, those that started last.
-    fn suspended(&self, slots: usize) -> BTreeSet<String>;
+    /// Jobs on workers whose runs are to be suspended.
+    fn suspended(&self) -> BTreeSet<String>;
 
     /// Number of jobs on workers.
     fn workers(&self) -> usize;

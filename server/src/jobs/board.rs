@@ -7,7 +7,6 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use counterpoint_kernel::control::Stop;
 use dashmap::DashMap;
 use tokio::sync::watch;
 
@@ -19,7 +18,7 @@ use super::{Core, worker};
 use crate::clock::Clock;
 use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::memory::Memory;
-use crate::queue::{Entry, Queue, Ticket};
+use crate::queue::{Entry, Look, Queue, Ticket};
 use crate::reason::Refusal;
 
 /// First and longest pause before a job is run again after the host has failed its run.
@@ -33,7 +32,7 @@ pub(super) struct Waiting {
     /// Places given to submits whose ledger entry is in progress, by tenant.
     reserved: HashMap<String, usize>,
     /// Jobs on workers that let others have their core.
-    suspended: BTreeMap<String, Stop>,
+    suspended: BTreeMap<String, Arc<Live>>,
 }
 
 /// Jobs in memory.
@@ -206,34 +205,45 @@ impl Core {
         live.peek(|record| self.board.feed.changed(&record.tenant, &record.id));
     }
 
-    /// Starts waiting jobs while there are free workers, disk space and a ledger.
+    /// Divides the workers among the tenants, and starts waiting jobs while there are disk space and a ledger.
     pub(super) fn pump(self: &Arc<Self>) {
         while let Some(live) = self.take() {
             worker::start(self.clone(), live);
         }
     }
 
-    /// The next job, if there is a free worker for it, disk space and a ledger.
+    /// Suspends and resumes runs; the next job, if a worker is to have one and there are disk space and a ledger.
     pub(super) fn take(&self) -> Option<Arc<Live>> {
         let waits = lock(&self.board.queue).jobs.waiting() > 0;
-        if waits && *self.ledger.writable().borrow() && self.room().is_ok() { self.next() } else { None }
+        self.next(waits && *self.ledger.writable().borrow() && self.room().is_ok())
     }
 
-    fn next(&self) -> Option<Arc<Live>> {
+    fn next(&self, starts: bool) -> Option<Arc<Live>> {
         let mut queue = lock(&self.board.queue);
-        if self.drain.begun() {
-            return None;
-        }
+        let starts = starts && !self.drain.begun();
+        let stands = |id: &str| self.live(id).is_some_and(|live| live.stands());
         loop {
-            let now = Instant::now();
-            let id = queue.jobs.next(self.options.slots(), now)?;
+            let (room, now) = (self.has_memory(&queue), Instant::now());
+            let id = queue.jobs.next(&Look { slots: self.options.slots(), starts, room, now, stands: &stands });
+            self.share_cores(&mut queue);
+            let id = id?;
             if let Some(live) = self.live(&id) {
                 self.board.running.send_replace(queue.jobs.busy().len());
-                self.share_cores(&mut queue);
                 return Some(live);
             }
             queue.jobs.free(&id, now);
         }
+    }
+
+    /// Whether there is memory for runs beyond twice `workers`.
+    fn has_memory(&self, queue: &Waiting) -> bool {
+        let most = self.options.maxima.memory_bytes;
+        if most == 0 || queue.jobs.workers() < self.options.slots().saturating_mul(2) {
+            return true;
+        }
+        let runs = queue.jobs.running();
+        let held = runs.iter().filter_map(|id| self.live(id)).map(|live| live.held_bytes());
+        held.fold(0, u64::saturating_add) < most
     }
 
     /// Threads for the kernels of a job whose run begins now, of which as many were `asked` for (0 = all): its share of
@@ -248,7 +258,8 @@ impl Core {
         if asked == 0 { share } else { asked.min(share) }
     }
 
-    /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile.
+    /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile. The caller
+    /// takes it.
     pub(super) fn leave(&self, live: &Live) {
         let mut queue = lock(&self.board.queue);
         queue.jobs.store(&live.id, Instant::now());
@@ -257,19 +268,19 @@ impl Core {
 
     /// Suspends and resumes jobs as the queue wants it.
     fn share_cores(&self, queue: &mut Waiting) {
-        let wanted = queue.jobs.suspended(self.options.slots());
-        queue.suspended.retain(|id, stop| {
+        let (wanted, now) = (queue.jobs.suspended(), Instant::now());
+        queue.suspended.retain(|id, live| {
             let stays = wanted.contains(id);
             if !stays {
-                stop.resume();
+                live.resume(now);
             }
             stays
         });
         for id in wanted {
             let Some(live) = self.live(&id).filter(|_| !queue.suspended.contains_key(&id)) else { continue };
-            let stop = live.stop();
-            stop.suspend();
-            queue.suspended.insert(id, stop);
+            live.suspend(now);
+            self.metrics.jobs.suspended.inc();
+            queue.suspended.insert(id, live);
         }
     }
 

@@ -4,7 +4,7 @@
 //! read the results.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -14,6 +14,7 @@ use counterpoint_kernel::log::info::Info;
 use tokio::sync::watch;
 
 use super::board::late;
+use super::limits::{RunLimits, Stopped};
 use super::operator::Desk;
 use super::step::Stepping;
 use crate::ledger::record::{Reached, Record, State, now_ms};
@@ -31,17 +32,14 @@ pub(crate) struct Run {
     pub(crate) control: Arc<Control>,
 }
 
-/// The limit that has stopped a run, and its effect.
-pub(crate) type Stopped = (Reached, String);
+/// Bytes that a run counts for until it is prepared.
+const UNKNOWN: u64 = 64 << 20;
 
-/// Reasons to stop a run besides its program and the client.
-#[derive(Debug, Default)]
-struct RunLimits {
-    /// Time and reason of a planned stop of the run.
-    until: Option<(Instant, Stopped)>,
-    bytes: Option<u64>,
-    /// The limit that was reached.
-    reached: Option<Stopped>,
+/// The bytes of the texts of a prepared run, and those that its results may take.
+fn held_by(info: &Info) -> u64 {
+    let texts = info.files.iter().filter_map(|file| file.text.get()?.as_ref()).map(|text| text.size() as u64);
+    let results = info.room.path.saturating_add(info.room.bars).saturating_add(info.room.waiting);
+    texts.fold(results.saturating_mul(info.channels.len() as u64), u64::saturating_add)
 }
 
 /// A job in memory.
@@ -68,6 +66,8 @@ pub(crate) struct Live {
     /// Queue of the commands of the operator who steps through the job.
     stepping: OnceLock<Arc<Stepping>>,
     limits: Mutex<RunLimits>,
+    /// Bytes that the run may hold besides the values of macros, from its preparation on.
+    held: AtomicU64,
     /// Held while the job is paused or resumed, so that ledger and memory agree.
     pub(super) holding: tokio::sync::Mutex<()>,
 }
@@ -98,6 +98,7 @@ impl Live {
             finished: OnceLock::new(),
             writer: Mutex::new(None),
             limits: Mutex::default(),
+            held: AtomicU64::new(UNKNOWN),
             promised: AtomicBool::new(false),
             holding: tokio::sync::Mutex::default(),
         }
@@ -161,6 +162,7 @@ impl Live {
         drop(self.end_log());
         self.tail().begin_again();
         *lock(&self.run) = None;
+        self.held.store(UNKNOWN, Ordering::Relaxed);
         self.renew();
     }
 
@@ -185,6 +187,7 @@ impl Live {
 
     /// Sets the state of a prepared run; the job may have been cancelled by then.
     pub(crate) fn prepared(&self, run: Run) {
+        self.held.store(held_by(&run.info), Ordering::Relaxed);
         *lock(&self.run) = Some(Arc::new(run));
         if self.cancelled() || self.reached().is_some() {
             self.interrupt();
@@ -196,19 +199,29 @@ impl Live {
         lock(&self.stop).clone()
     }
 
-    /// Sets the limits of the run that begins now: time by the clock, ms, and bytes of log and files; and the deadline
-    /// of the job, ms since 1970, 0 = none.
+    /// Lets others have the cores of the run until it is resumed.
+    pub(super) fn suspend(&self, now: Instant) {
+        lock(&self.limits).suspend(now);
+        self.stop().suspend();
+    }
+
+    /// Lets a suspended run continue.
+    pub(super) fn resume(&self, now: Instant) {
+        lock(&self.limits).resume(now);
+        self.stop().resume();
+    }
+
+    /// Bytes that the run may hold besides the values of macros.
+    pub(super) fn held_bytes(&self) -> u64 {
+        self.held.load(Ordering::Relaxed)
+    }
+
+    /// Sets the limits of the run that begins now: running time, ms, and bytes of log and files; and the deadline of
+    /// the job, ms since 1970, 0 = none.
     pub(crate) fn set_limits(&self, wall_ms: u64, bytes: u64, deadline_ms: i64) {
         let left = u64::try_from(deadline_ms.saturating_sub(now_ms())).unwrap_or(0);
-        let (ms, stopped) = match deadline_ms > 0 && left < wall_ms {
-            true => (left, (Reached::Deadline, late(deadline_ms))),
-            false => {
-                let text = format!("the run was stopped after {wall_ms} ms by the clock, its limit wall_ms");
-                (wall_ms, (Reached::WallMs, text))
-            }
-        };
-        let until = Instant::now().checked_add(Duration::from_millis(ms)).map(|at| (at, stopped));
-        *lock(&self.limits) = RunLimits { until, bytes: Some(bytes), reached: None };
+        let deadline = (deadline_ms > 0).then(|| (Duration::from_millis(left), (Reached::Deadline, late(deadline_ms))));
+        lock(&self.limits).begin(Instant::now(), Duration::from_millis(wall_ms), deadline, bytes);
     }
 
     /// The limit that has stopped the run.
@@ -218,7 +231,7 @@ impl Live {
 
     /// Stops the run if its time is over.
     pub(crate) fn check_clock(&self, now: Instant) {
-        let over = lock(&self.limits).until.as_ref().filter(|(until, _)| *until <= now).map(|(_, by)| by.clone());
+        let over = lock(&self.limits).over(now);
         if let Some(stopped) = over {
             self.reach(stopped);
         }

@@ -13,6 +13,7 @@ pub(crate) mod filter;
 mod flusher;
 mod hold;
 mod housekeeping;
+mod limits;
 pub(crate) mod live;
 mod observe;
 pub(crate) mod operator;

@@ -48,7 +48,7 @@ group! {
         max_files: usize = 1000, "COUNTERPOINT_MAX_FILES", "N";
         /// Most programs of one job
         max_programs: usize = 64, "COUNTERPOINT_MAX_PROGRAMS", "N";
-        /// Most time of one run by the clock, ms; also the default of a job
+        /// Most running time of one run by the clock, ms; also the default of a job
         max_wall_ms: u64 = 3_600_000, "COUNTERPOINT_MAX_WALL_MS", "MS";
         /// Most bytes of a log, and of the files that macros of a job have written; also the default of a job
         max_job_bytes: u64 = 4 << 30, "COUNTERPOINT_MAX_JOB_BYTES", "BYTES";

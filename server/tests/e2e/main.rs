@@ -59,6 +59,7 @@ mod refusals;
 mod rerun;
 mod share;
 mod signed;
+mod slices;
 #[cfg(target_os = "linux")]
 mod stalled;
 mod standing;

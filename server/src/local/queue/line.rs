@@ -1,7 +1,7 @@
-//! The line of one tenant: its jobs that wait, by urgency and age, and its debt to the others.
+//! The line of one tenant: its jobs that wait, by urgency and age, and the worker time that it has used.
 //!
 //! Invariant: `held` counts every job of the tenant that waits anywhere in the queue, `running` those on workers; a
-//! line without both is dropped with its account.
+//! line without both is dropped once it has used no more than others.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -11,8 +11,6 @@ use crate::ledger::record::Priority;
 
 /// Time after which a job that waits counts as of the next priority.
 const AGEING: Duration = Duration::from_secs(60);
-/// Most that a tenant can owe: so much time of workers goes to others before it gets a turn again.
-const MOST_OWED: i64 = 60_000_000;
 
 /// Where a job is in a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,10 +34,14 @@ pub(super) struct Line {
     pub(super) held: usize,
     /// Its jobs on workers.
     pub(super) running: usize,
-    /// Time of workers that the tenant may use before it is the turn of the next, µs; below zero it owes as much.
-    pub(super) credit: i64,
-    /// Typical duration of its runs, µs, from the last ones.
-    typical: i64,
+    /// Worker time that the tenant has used, on the account on which a tenant that comes has used as much as the one
+    /// that has used the least.
+    pub(super) used: Duration,
+    /// Number of the last turn that the tenant has had, 0 = none yet: of tenants that have used the same, the lowest is
+    /// next.
+    pub(super) turn: u64,
+    /// Number of its arrival.
+    pub(super) came: u64,
 }
 
 /// Index of the class of a priority.
@@ -51,11 +53,17 @@ pub(super) fn class(priority: Priority) -> usize {
     }
 }
 
-fn micros(time: Duration) -> i64 {
-    i64::try_from(time.as_micros()).unwrap_or(i64::MAX)
-}
-
 impl Line {
+    /// The line of a tenant that comes, with the number of its arrival.
+    pub(super) fn new(used: Duration, came: u64) -> Self {
+        Self { used, came, ..Self::default() }
+    }
+
+    /// Whether it may be dropped. What its tenant has used more than others is remembered.
+    pub(super) fn is_unneeded(&self, floor: Duration) -> bool {
+        self.held == 0 && self.running == 0 && self.used <= floor
+    }
+
     /// Jobs in the line.
     pub(super) fn len(&self) -> usize {
         self.classes.iter().map(|class| class.waiting.len()).sum()
@@ -90,19 +98,5 @@ impl Line {
     pub(super) fn before(&self, spot: Spot) -> usize {
         let urgent: usize = self.classes.iter().take(spot.class).map(|class| class.waiting.len()).sum();
         urgent + self.classes.get(spot.class).map_or(0, |class| class.places.before(spot.ordinal))
-    }
-
-    /// A run starts: it is paid in advance with the typical duration of a run of this tenant. Returns the price.
-    pub(super) fn pay(&mut self) -> i64 {
-        let price = self.typical.max(1);
-        self.credit = (self.credit - price).max(-MOST_OWED);
-        price
-    }
-
-    /// A run that was paid with `price` is over.
-    pub(super) fn settle(&mut self, price: i64, took: Duration) {
-        let took = micros(took).max(1);
-        self.typical = if self.typical == 0 { took } else { (3 * self.typical + took) / 4 };
-        self.credit = (self.credit + price - took).max(-MOST_OWED);
     }
 }

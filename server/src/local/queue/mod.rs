@@ -1,34 +1,22 @@
 //! The queue in memory: a server that starts fills it from its ledger.
 //!
-//! Tenants take turns as in deficit round robin: at its turn a tenant gets a quantum of time, it starts jobs while it
-//! has credit, and each run is charged with the time that it took. Invariants: a tenant with jobs in its line is in the
-//! ring exactly once; a question about a job's place costs the logarithm of the line's length, and one step per tenant.
+//! `turns` decides whose turn it is. Invariant: a question about a job's place costs the logarithm of the line's
+//! length, and one step per tenant.
 
 mod line;
 mod places;
+mod turns;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use crate::queue::{Entry, Queue, Ticket};
+use crate::queue::{Entry, Look, Queue, Ticket};
 use line::{Line, Spot, class};
+use turns::Run;
 
 /// Most jobs whose end is being stored while others have their workers.
 const MOST_STORING: usize = 64;
-/// Time of workers that a turn is worth, µs.
-const QUANTUM: i64 = 10_000;
-
-/// A job on a worker.
-#[derive(Debug)]
-struct Run {
-    id: String,
-    tenant: Arc<str>,
-    since: Instant,
-    /// The cost paid for it.
-    price: i64,
-}
-
 /// Jobs that wait, and who has a place.
 #[derive(Debug, Default)]
 pub(crate) struct LocalQueue {
@@ -39,8 +27,6 @@ pub(crate) struct LocalQueue {
     /// Jobs that are held back.
     paused: BTreeMap<String, Arc<str>>,
     lines: HashMap<Arc<str>, Line>,
-    /// Tenants with jobs in their lines, in the order of their turns; the first has its turn.
-    ring: VecDeque<Arc<str>>,
     /// Jobs in lines.
     spots: HashMap<String, (Arc<str>, Spot)>,
     last_ordinal: u64,
@@ -48,6 +34,10 @@ pub(crate) struct LocalQueue {
     most_running: usize,
     own_running: HashMap<String, usize>,
     running: Vec<Run>,
+    /// The account of a tenant that comes: no tenant that takes turns has used less.
+    floor: Duration,
+    /// Number of the last turn or arrival.
+    last_number: u64,
     /// Jobs whose run is over and whose end is being stored.
     storing: BTreeSet<String>,
     /// The one running job is to have no company.
@@ -61,23 +51,23 @@ impl LocalQueue {
     }
 
     fn line(&mut self, tenant: &Arc<str>) -> &mut Line {
-        self.lines.entry(tenant.clone()).or_default()
+        let Self { lines, floor, last_number, .. } = self;
+        lines.entry(tenant.clone()).or_insert_with(|| {
+            *last_number += 1;
+            Line::new(*floor, *last_number)
+        })
     }
 
     /// Drops an unneeded line.
     fn tidy(&mut self, tenant: &Arc<str>) {
-        if self.lines.get(tenant).is_some_and(|line| line.held == 0 && line.running == 0) {
+        if self.lines.get(tenant).is_some_and(|line| line.is_unneeded(self.floor)) {
             self.lines.remove(tenant);
         }
     }
 
     /// Takes a job out of its line.
     fn take(&mut self, tenant: &Arc<str>, spot: Spot) -> Option<String> {
-        let line = self.lines.get_mut(tenant)?;
-        let id = line.remove(spot)?;
-        if line.len() == 0 {
-            self.ring.retain(|other| other != tenant);
-        }
+        let id = self.lines.get_mut(tenant)?.remove(spot)?;
         self.spots.remove(&id);
         Some(id)
     }
@@ -88,39 +78,26 @@ impl LocalQueue {
         most == 0 || self.lines.get(tenant).is_none_or(|line| line.running < most)
     }
 
-    /// The tenant whose turn it is. Tenants that have used up their credit go to the end; when all have, all get as
-    /// many quanta as the one that needs the fewest.
-    fn turn(&mut self) -> Option<Arc<str>> {
-        let able: Vec<Arc<str>> = self.ring.iter().filter(|tenant| self.may_run(tenant)).cloned().collect();
-        let lines = &self.lines;
-        let credit = |tenant: &Arc<str>| lines.get(tenant).map_or(0, |line| line.credit);
-        let richest = able.iter().map(credit).max()?;
-        if richest <= 0 {
-            // At least one is above zero afterwards.
-            let quanta = -richest / QUANTUM + 1;
-            for tenant in &able {
-                self.line(tenant).credit += quanta * QUANTUM;
-            }
-        }
-        let at = self
-            .ring
-            .iter()
-            .position(|tenant| able.contains(tenant) && self.lines.get(tenant).is_some_and(|line| line.credit > 0))?;
-        self.ring.rotate_left(at);
-        self.ring.front().cloned()
+    /// The place in `again` of a job of a tenant whose time has come.
+    fn due(&self, tenant: &str, now: Instant) -> Option<usize> {
+        self.again.iter().position(|(at, _, of)| *at <= now && **of == *tenant)
     }
 
-    /// A tenant without a worker, when all workers are taken.
-    fn without_worker(&self) -> Option<Arc<str>> {
-        self.ring.iter().find(|tenant| self.lines.get(*tenant).is_some_and(|line| line.running == 0)).cloned()
+    /// Takes the job of a tenant that goes first.
+    fn first(&mut self, tenant: &Arc<str>, now: Instant) -> Option<String> {
+        if let Some(due) = self.due(tenant, now) {
+            return Some(self.again.remove(due).1);
+        }
+        let spot = self.lines.get(tenant)?.first(now)?;
+        self.take(tenant, spot)
     }
 
     fn begin(&mut self, id: String, tenant: Arc<str>, now: Instant) -> String {
+        let turn = self.turn_of(&tenant);
         let line = self.line(&tenant);
         line.held = line.held.saturating_sub(1);
         line.running += 1;
-        let price = line.pay();
-        self.running.push(Run { id: id.clone(), tenant, since: now, price });
+        self.running.push(Run::new(id.clone(), tenant, turn, now));
         id
     }
 }
@@ -147,7 +124,7 @@ impl Queue for LocalQueue {
     }
 
     fn others_work(&self, tenant: &str, stands: &dyn Fn(&str) -> bool) -> bool {
-        let others_wait = self.ring.iter().any(|other| **other != *tenant);
+        let others_wait = self.lines.iter().any(|(other, line)| **other != *tenant && line.len() > 0);
         let mut runs = self.running.iter().filter(|run| others_wait || *run.tenant != *tenant);
         runs.any(|run| !stands(&run.id))
     }
@@ -162,43 +139,30 @@ impl Queue for LocalQueue {
             Entry::Accepted(since) => {
                 self.last_ordinal += 1;
                 let spot = Spot { class: class(ticket.priority), ordinal: self.last_ordinal };
-                let line = self.line(&tenant);
-                if line.len() == 0 {
-                    // A tenant's credit is lost with its turn; its debt stays while its jobs run.
-                    line.credit = line.credit.min(0);
-                    self.ring.push_back(tenant.clone());
-                }
                 self.line(&tenant).push(spot, id.clone(), since);
                 self.spots.insert(id, (tenant, spot));
             }
         }
     }
 
-    fn next(&mut self, slots: usize, now: Instant) -> Option<String> {
+    fn next(&mut self, look: &Look<'_>) -> Option<String> {
+        self.charge(look);
         if self.alone {
             return None;
         }
-        if !self.suspects.is_empty() {
-            if !self.running.is_empty() {
-                return None;
-            }
-            self.alone = true;
-            let (id, tenant) = self.suspects.pop_front()?;
-            return Some(self.begin(id, tenant, now));
+        if self.suspects.is_empty() {
+            return self.divide(look);
         }
-        if self.running.len() >= slots.saturating_mul(2) {
+        if !self.running.is_empty() {
+            // Until they have ended no other job starts.
+            return self.divide(&Look { starts: false, ..*look });
+        }
+        if !look.starts {
             return None;
         }
-        let free = self.running.len() < slots;
-        let due = |(at, _, tenant): &(Instant, String, Arc<str>)| *at <= now && self.may_run(tenant);
-        if let Some(due) = self.again.iter().position(due).filter(|_| free) {
-            let (_, id, tenant) = self.again.remove(due);
-            return Some(self.begin(id, tenant, now));
-        }
-        let tenant = if free { self.turn()? } else { self.without_worker()? };
-        let spot = self.lines.get(&tenant)?.first(now)?;
-        let id = self.take(&tenant, spot)?;
-        Some(self.begin(id, tenant, now))
+        let (id, tenant) = self.suspects.pop_front()?;
+        self.alone = true;
+        Some(self.begin(id, tenant, look.now))
     }
 
     fn store(&mut self, id: &str, now: Instant) {
@@ -215,7 +179,7 @@ impl Queue for LocalQueue {
         self.alone = false;
         let line = self.line(&run.tenant);
         line.running = line.running.saturating_sub(1);
-        line.settle(run.price, now.saturating_duration_since(run.since));
+        line.used += run.uncharged(now);
         self.tidy(&run.tenant);
     }
 
@@ -243,9 +207,8 @@ impl Queue for LocalQueue {
         if let Some((tenant, spot)) = self.spots.get(id) {
             let own = self.lines.get(tenant).map_or(0, |line| line.before(*spot));
             // The other tenants have had about as many turns by then.
-            let others = self.ring.iter().filter(|other| *other != tenant);
-            let others: usize =
-                others.filter_map(|other| self.lines.get(other)).map(|line| line.len().min(own + 1)).sum();
+            let others = self.lines.iter().filter(|(other, _)| *other != tenant);
+            let others: usize = others.map(|(_, line)| line.len().min(own + 1)).sum();
             return self.suspects.len() + self.again.len() + own + others;
         }
         let suspect = self.suspects.iter().position(|(waiting, _)| waiting == id);
@@ -257,28 +220,8 @@ impl Queue for LocalQueue {
         self.running.iter().map(|run| run.id.clone()).collect()
     }
 
-    fn suspended(&self, slots: usize) -> BTreeSet<String> {
-        let mut left: HashMap<&str, usize> = HashMap::new();
-        let mut suspended = BTreeSet::new();
-        let many = self.running.len().saturating_sub(slots);
-        if many == 0 {
-            return suspended;
-        }
-        for run in &self.running {
-            *left.entry(&run.tenant).or_default() += 1;
-        }
-        while suspended.len() < many {
-            // The tenant with the most jobs that use a core gives one.
-            let runs = self.running.iter().filter(|run| !suspended.contains(&run.id));
-            let last = runs.max_by_key(|run| (left.get(&*run.tenant).copied().unwrap_or(0), run.since));
-            let Some(run) = last else { break };
-            match left.get_mut(&*run.tenant) {
-                Some(left) if *left > 1 => *left -= 1,
-                _ => break,
-            }
-            suspended.insert(run.id.clone());
-        }
-        suspended
+    fn suspended(&self) -> BTreeSet<String> {
+        self.running.iter().filter(|run| run.suspended).map(|run| run.id.clone()).collect()
     }
 
     fn workers(&self) -> usize {
@@ -292,3 +235,5 @@ impl Queue for LocalQueue {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod turns_tests;

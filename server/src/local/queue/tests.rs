@@ -11,6 +11,11 @@ fn ticket<'a>(id: &'a str, tenant: &'a str) -> Ticket<'a> {
     Ticket { id, tenant, priority: Priority::Normal }
 }
 
+/// Divides the slots, with memory for all runs, none of which stands.
+fn next(queue: &mut LocalQueue, slots: usize, now: Instant) -> Option<String> {
+    queue.next(&Look { slots, starts: true, room: true, now, stands: &|_| false })
+}
+
 /// Lets a job of the default tenant wait.
 fn push(queue: &mut LocalQueue, id: &str, entry: Entry) {
     queue.push(ticket(id, "default"), entry);
@@ -28,7 +33,7 @@ fn places_are_those_of_a_plain_list() {
         match random >> 61 {
             0 if !twin.is_empty() => assert!(queue.remove(&twin.remove(at))),
             1 | 2 if !twin.is_empty() => {
-                assert_eq!(queue.next(usize::MAX, now).unwrap(), twin.remove(0));
+                assert_eq!(next(&mut queue, usize::MAX, now).unwrap(), twin.remove(0));
             }
             _ => {
                 push(&mut queue, &id(number), Entry::Accepted(now));
@@ -64,13 +69,13 @@ fn suspects_run_first_and_without_company() {
     push(&mut queue, "first", Entry::Suspect);
     push(&mut queue, "second", Entry::Suspect);
     assert_eq!((queue.before("second"), queue.before("other")), (1, 2));
-    assert_eq!(queue.next(4, now).unwrap(), "first");
-    assert!(queue.next(4, now).is_none(), "nothing runs beside a suspect");
+    assert_eq!(next(&mut queue, 4, now).unwrap(), "first");
+    assert!(next(&mut queue, 4, now).is_none(), "nothing runs beside a suspect");
     queue.free("first", now);
-    assert_eq!(queue.next(4, now).unwrap(), "second");
-    assert!(queue.next(4, now).is_none());
+    assert_eq!(next(&mut queue, 4, now).unwrap(), "second");
+    assert!(next(&mut queue, 4, now).is_none());
     queue.free("second", now);
-    assert_eq!(queue.next(4, now).unwrap(), "other");
+    assert_eq!(next(&mut queue, 4, now).unwrap(), "other");
 }
 
 #[test]
@@ -81,9 +86,9 @@ fn a_job_that_the_host_failed_waits_for_its_time_and_lets_others_run() {
     push(&mut queue, "other", Entry::Accepted(now));
     push(&mut queue, "last", Entry::Accepted(now));
     push(&mut queue, "failed", Entry::Again(later));
-    assert_eq!(queue.next(4, now).unwrap(), "other");
-    assert_eq!(queue.next(4, later).unwrap(), "failed");
-    assert_eq!(queue.next(4, later).unwrap(), "last");
+    assert_eq!(next(&mut queue, 4, now).unwrap(), "other");
+    assert_eq!(next(&mut queue, 4, later).unwrap(), "failed");
+    assert_eq!(next(&mut queue, 4, later).unwrap(), "last");
     assert!(!queue.remove("last"));
 }
 
@@ -95,19 +100,19 @@ fn urgent_jobs_go_first_and_patience_is_rewarded() {
         queue.push(Ticket { id, tenant: "t", priority }, Entry::Accepted(now));
     }
     assert_eq!((queue.before("low"), queue.before("normal"), queue.before("high")), (2, 1, 0));
-    assert_eq!(queue.next(9, now).unwrap(), "high");
+    assert_eq!(next(&mut queue, 9, now).unwrap(), "high");
     let later = now + Duration::from_secs(125);
     queue.push(Ticket { id: "new", tenant: "t", priority: Priority::High }, Entry::Accepted(later));
     // Both have risen above a new urgent job, and as far as each other: the difference between them stays.
-    assert_eq!(queue.next(9, later).unwrap(), "normal");
-    assert_eq!(queue.next(9, later).unwrap(), "low", "as urgent as the new one by now, and older");
-    assert_eq!(queue.next(9, later).unwrap(), "new");
+    assert_eq!(next(&mut queue, 9, later).unwrap(), "normal");
+    assert_eq!(next(&mut queue, 9, later).unwrap(), "low", "as urgent as the new one by now, and older");
+    assert_eq!(next(&mut queue, 9, later).unwrap(), "new");
 }
 
 /// Runs jobs one after the other, each for its time; returns their order.
 fn run_all(queue: &mut LocalQueue, mut now: Instant, time: impl Fn(&str) -> Duration) -> Vec<String> {
     let mut order = Vec::new();
-    while let Some(id) = queue.next(1, now) {
+    while let Some(id) = next(queue, 1, now) {
         now += time(&id);
         queue.free(&id, now);
         order.push(id);
@@ -148,32 +153,6 @@ fn tenants_share_the_time_of_workers_and_not_the_number_of_jobs() {
 }
 
 #[test]
-fn a_tenant_that_has_no_worker_gets_one_beside_the_long_jobs_of_others() {
-    let now = Instant::now();
-    let mut queue = LocalQueue::default();
-    for number in 0..9 {
-        let id = format!("a{number}");
-        queue.push(ticket(&id, "a"), Entry::Accepted(now));
-    }
-    assert_eq!(
-        [queue.next(2, now), queue.next(2, now), queue.next(2, now)].map(|id| id.is_some()),
-        [true, true, false]
-    );
-    for tenant in ["b", "c", "d"] {
-        queue.push(ticket(tenant, tenant), Entry::Accepted(now));
-    }
-    assert_eq!((queue.next(2, now).as_deref(), queue.next(2, now).as_deref()), (Some("b"), Some("c")));
-    assert_eq!(queue.next(2, now), None, "never more than twice the workers");
-    queue.free("b", now);
-    assert_eq!(queue.next(2, now).as_deref(), Some("d"));
-    queue.free("c", now);
-    queue.free("d", now);
-    assert_eq!(queue.next(2, now), None, "the workers of `a` are as many as it may have");
-    queue.free("a0", now);
-    assert_eq!(queue.next(2, now).as_deref(), Some("a2"));
-}
-
-#[test]
 fn a_tenant_has_no_more_workers_than_its_quota() {
     let now = Instant::now();
     let mut queue = LocalQueue::default();
@@ -181,16 +160,16 @@ fn a_tenant_has_no_more_workers_than_its_quota() {
     for (id, tenant) in [("a1", "a"), ("a2", "a"), ("b1", "b"), ("b2", "b")] {
         queue.push(ticket(id, tenant), Entry::Accepted(now));
     }
-    let mut first = [queue.next(4, now).unwrap(), queue.next(4, now).unwrap()];
+    let mut first = [next(&mut queue, 4, now).unwrap(), next(&mut queue, 4, now).unwrap()];
     first.sort();
-    assert_eq!((first, queue.next(4, now)), (["a1".to_owned(), "b1".to_owned()], None));
+    assert_eq!((first, next(&mut queue, 4, now)), (["a1".to_owned(), "b1".to_owned()], None));
     queue.free("b1", now);
-    assert_eq!(queue.next(4, now).as_deref(), Some("b2"));
+    assert_eq!(next(&mut queue, 4, now).as_deref(), Some("b2"));
     // A job that waits for another run needs a worker of its tenant, too.
     queue.push(ticket("a0", "a"), Entry::Again(now));
-    assert_eq!(queue.next(4, now), None);
+    assert_eq!(next(&mut queue, 4, now), None);
     queue.let_run(1, HashMap::from([("a".to_owned(), 2)]));
-    assert_eq!((queue.next(4, now).as_deref(), queue.next(4, now)), (Some("a0"), None));
+    assert_eq!((next(&mut queue, 4, now).as_deref(), next(&mut queue, 4, now)), (Some("a0"), None));
 }
 
 /// A tenant submits one job after the other beside ten thousand jobs of another tenant. Its share of the starts is
@@ -206,7 +185,7 @@ fn a_tenant_beside_ten_thousand_jobs_of_another_has_its_share_of_the_starts() {
     let (mut quiet, mut between) = (0, 0);
     queue.push(ticket("quiet-0", "quiet"), Entry::Accepted(now));
     for _ in 0..STARTS {
-        let id = queue.next(1, now).unwrap();
+        let id = next(&mut queue, 1, now).unwrap();
         now += Duration::from_millis(10);
         let own = id.starts_with("quiet");
         between = if own { 0 } else { between + 1 };
@@ -254,7 +233,7 @@ fn the_books_of_the_queue_agree_after_anything() {
                 queue.free(&id, now);
             }
             _ => {
-                if let Some(id) = queue.next(4, now) {
+                if let Some(id) = next(&mut queue, 4, now) {
                     assert!(!queue.is_paused(&id));
                     let at = waiting.iter().position(|(waiting, _)| *waiting == id).expect("it was waiting");
                     waiting.swap_remove(at);
@@ -263,61 +242,15 @@ fn the_books_of_the_queue_agree_after_anything() {
             }
         }
         assert_eq!((queue.len(), queue.workers()), (waiting.len(), running.len()));
-        assert!(queue.workers() <= 8);
+        let suspended = queue.suspended();
+        assert!(suspended.iter().all(|id| running.contains(id)));
+        assert!(queue.workers() - suspended.len() <= 4, "no more runs than slots use a core");
         for tenant in ["t0", "t1", "t2", "t3", "t4"] {
             let held = waiting.iter().filter(|(_, of)| of == tenant).count();
             assert_eq!(queue.waiting_of(tenant), held);
-            let in_ring = queue.ring.iter().filter(|of| &***of == tenant).count();
-            assert_eq!(in_ring, usize::from(queue.lines.get(tenant).is_some_and(|line| line.len() > 0)));
+            assert!(queue.running.iter().filter(|run| &*run.tenant == tenant).count() <= 3, "its quota");
         }
     }
-}
-
-/// Ids of the jobs that are to let others have their core.
-fn suspended(queue: &LocalQueue, slots: usize) -> Vec<String> {
-    queue.suspended(slots).into_iter().collect()
-}
-
-#[test]
-fn the_job_of_another_tenant_gets_the_core_of_a_second_job() {
-    let now = Instant::now();
-    let mut queue = LocalQueue::default();
-    let mut begin = |tenant: &str, number: usize| {
-        queue.push(ticket(&id(number), tenant), Entry::Accepted(now));
-        assert_eq!(queue.next(2, now + Duration::from_millis(number as u64)), Some(id(number)));
-        suspended(&queue, 2)
-    };
-    assert!(begin("many", 1).is_empty() && begin("many", 2).is_empty());
-    assert_eq!(begin("few", 3), [id(2)]);
-    queue.store(&id(3), now);
-    assert!(suspended(&queue, 2).is_empty());
-}
-
-#[test]
-fn a_tenant_keeps_the_core_of_its_only_job() {
-    let now = Instant::now();
-    let mut queue = LocalQueue::default();
-    for (number, tenant) in ["a", "b", "c", "d"].into_iter().enumerate() {
-        queue.push(ticket(&id(number), tenant), Entry::Accepted(now));
-        assert!(queue.next(2, now).is_some());
-    }
-    assert!(suspended(&queue, 2).is_empty());
-}
-
-#[test]
-fn the_first_job_of_many_continues() {
-    let now = Instant::now();
-    let mut queue = LocalQueue::default();
-    for number in 0..4 {
-        queue.push(ticket(&id(number), "many"), Entry::Accepted(now));
-        assert!(queue.next(4, now + Duration::from_millis(number as u64)).is_some());
-    }
-    for (number, tenant) in [(4, "x"), (5, "y"), (6, "z"), (7, "w")] {
-        queue.push(ticket(&id(number), tenant), Entry::Accepted(now));
-        assert!(queue.next(4, now + Duration::from_millis(9)).is_some());
-    }
-    assert_eq!(suspended(&queue, 4), [id(1), id(2), id(3)]);
-    assert_eq!(suspended(&queue, 7), [id(3)]);
 }
 
 #[test]
@@ -327,12 +260,15 @@ fn a_run_that_stands_and_jobs_behind_it_are_no_work() {
     let work = |queue: &LocalQueue, tenant, stand: &[&str]| queue.others_work(tenant, &|id| stand.contains(&id));
     queue.push(ticket("steps", "other"), Entry::Accepted(now));
     assert!(!work(&queue, "one", &[]), "no worker is busy");
-    assert_eq!(queue.next(1, now).as_deref(), Some("steps"));
+    assert_eq!(next(&mut queue, 1, now).as_deref(), Some("steps"));
     assert!(work(&queue, "one", &[]) && !work(&queue, "one", &["steps"]) && !work(&queue, "other", &[]));
+    let next = |queue: &mut LocalQueue| {
+        queue.next(&Look { slots: 1, starts: true, room: true, now, stands: &|id| id == "steps" })
+    };
     queue.push(ticket("behind", "other"), Entry::Accepted(now));
     assert!(!work(&queue, "one", &["steps"]), "it waits for one that stands");
     queue.push(ticket("own", "one"), Entry::Accepted(now));
-    assert_eq!(queue.next(1, now).as_deref(), Some("own"));
+    assert_eq!(next(&mut queue).as_deref(), Some("own"));
     assert!(work(&queue, "one", &["steps"]), "it waits for a worker that a job keeps busy");
     queue.push(ticket("held", "third"), Entry::Paused);
     assert!(!work(&queue, "other", &["steps", "own"]));

@@ -1,0 +1,127 @@
+//! Limits of a run besides those of its program: running time, the deadline of its job, bytes.
+//!
+//! Invariant: time in which the run is suspended counts for the deadline and not for the running time.
+
+use std::time::{Duration, Instant};
+
+use crate::ledger::record::Reached;
+
+/// The limit that has stopped a run, and its effect.
+pub(crate) type Stopped = (Reached, String);
+
+/// Reasons to stop a run besides its program and the client.
+#[derive(Debug, Default)]
+pub(super) struct RunLimits {
+    /// Most running time.
+    wall: Option<Duration>,
+    /// Running time until the run was last suspended.
+    ran: Duration,
+    /// Since when it runs; none while it is suspended, or before it begins.
+    since: Option<Instant>,
+    suspended: bool,
+    /// Time and reason of a planned stop.
+    deadline: Option<(Instant, Stopped)>,
+    pub(super) bytes: Option<u64>,
+    /// The limit that was reached.
+    pub(super) reached: Option<Stopped>,
+}
+
+impl RunLimits {
+    /// Sets the limits of a run that begins now. It may be suspended by then.
+    pub(super) fn begin(&mut self, now: Instant, wall: Duration, deadline: Option<(Duration, Stopped)>, bytes: u64) {
+        let deadline = deadline.and_then(|(left, stopped)| Some((now.checked_add(left)?, stopped)));
+        let (suspended, since) = (self.suspended, (!self.suspended).then_some(now));
+        *self = Self { wall: Some(wall), since, suspended, deadline, bytes: Some(bytes), ..Self::default() };
+    }
+
+    /// The run stops for others.
+    pub(super) fn suspend(&mut self, now: Instant) {
+        self.suspended = true;
+        if let Some(since) = self.since.take() {
+            self.ran += now.saturating_duration_since(since);
+        }
+    }
+
+    /// The run continues.
+    pub(super) fn resume(&mut self, now: Instant) {
+        self.suspended = false;
+        if self.wall.is_some() {
+            self.since.get_or_insert(now);
+        }
+    }
+
+    /// The limit of time that is over, of two the first.
+    pub(super) fn over(&self, now: Instant) -> Option<Stopped> {
+        let running = self.since.map_or(Duration::ZERO, |since| now.saturating_duration_since(since));
+        let wall = self.wall.and_then(|wall| {
+            let beyond = (self.ran + running).checked_sub(wall)?;
+            let text = format!("the run was stopped after {} ms of running time, its limit wall_ms", wall.as_millis());
+            Some((beyond, (Reached::WallMs, text)))
+        });
+        let deadline = self.deadline.as_ref();
+        let deadline = deadline.and_then(|(at, stopped)| Some((now.checked_duration_since(*at)?, stopped.clone())));
+        wall.into_iter().chain(deadline).max_by_key(|(beyond, _)| *beyond).map(|(_, stopped)| stopped)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn ms(ms: u64) -> Duration {
+        Duration::from_millis(ms)
+    }
+
+    fn limits(now: Instant, deadline: Option<u64>) -> RunLimits {
+        let mut limits = RunLimits::default();
+        let deadline = deadline.map(|left| (ms(left), (Reached::Deadline, "late".to_owned())));
+        limits.begin(now, ms(1000), deadline, 1);
+        limits
+    }
+
+    fn over(limits: &RunLimits, now: Instant) -> Option<Reached> {
+        limits.over(now).map(|(reached, _)| reached)
+    }
+
+    #[test]
+    fn time_while_suspended_is_no_running_time() {
+        let begin = Instant::now();
+        let mut limits = limits(begin, None);
+        limits.suspend(begin + ms(600));
+        assert_eq!(over(&limits, begin + ms(5000)), None);
+        limits.resume(begin + ms(5000));
+        assert_eq!(over(&limits, begin + ms(5399)), None);
+        assert_eq!(over(&limits, begin + ms(5400)), Some(Reached::WallMs));
+    }
+
+    #[test]
+    fn a_deadline_is_reached_also_while_suspended() {
+        let begin = Instant::now();
+        let mut limits = limits(begin, Some(2000));
+        limits.suspend(begin + ms(600));
+        assert_eq!(over(&limits, begin + ms(1999)), None);
+        assert_eq!(over(&limits, begin + ms(2000)), Some(Reached::Deadline));
+    }
+
+    #[test]
+    fn of_two_limits_the_first_counts() {
+        let begin = Instant::now();
+        for (deadline, reached) in [(990, Reached::Deadline), (1010, Reached::WallMs)] {
+            assert_eq!(over(&limits(begin, Some(deadline)), begin + ms(1100)), Some(reached));
+        }
+    }
+
+    #[test]
+    fn a_run_that_is_suspended_before_it_begins_has_not_run() {
+        let begin = Instant::now();
+        let mut limits = RunLimits::default();
+        limits.suspend(begin);
+        limits.begin(begin, ms(1000), None, 1);
+        assert_eq!(over(&limits, begin + ms(3000)), None);
+        limits.resume(begin + ms(3000));
+        assert_eq!(over(&limits, begin + ms(4000)), Some(Reached::WallMs));
+        // The next run of the job has all the time again.
+        limits.begin(begin + ms(4000), ms(1000), None, 1);
+        assert_eq!(over(&limits, begin + ms(4500)), None);
+    }
+}

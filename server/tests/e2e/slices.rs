@@ -1,0 +1,207 @@
+//! Runs of several tenants on one worker, on the real emulator: they take turns while they run.
+
+use std::time::Duration;
+
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::watch_job_response::Content;
+use counterpoint_server::access::Role;
+use counterpoint_server::options::Options;
+use counterpoint_server::service;
+use tonic::transport::Channel;
+
+use crate::guarded::*;
+use crate::share::server_until;
+
+/// Moves whose end no limit brings; a pass without events takes most of the time.
+const BLOCKS: &str = "O1\nN1 #1=0\nWHILE[#1LT100]DO1\n#1=#1+1\nEND1\nG1 X.001 F100.\nX0.\nGOTO 1\n";
+/// Tool changes, whose macro takes nearly all the time.
+const MACRO: &str = "O1\nN1 T3 M06\nT4 M06\nGOTO 1\n";
+const SPIN: &str = "DO/I=1,100000\nA=1\nENDOF/DO\n";
+const TINY: &str = "O1\nG21 G90 G94 F100\nG1 X1.\nM30\n";
+/// Time after which a test has failed.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A server with one worker that runs real jobs, and tenants.
+struct Real {
+    handle: service::Handle,
+    task: tokio::task::JoinHandle<()>,
+}
+
+impl Real {
+    async fn start<const N: usize>(options: Options, tenants: [&str; N]) -> (Self, [As; N]) {
+        let tokens = tenants.map(|tenant| grant(&options, tenant, tenant, Role::Submit));
+        let service = service::build(options).await.unwrap();
+        let handle = service.handle();
+        let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
+        let address = format!("http://{}", handle.address());
+        let connection = Channel::from_shared(address).unwrap().connect().await.unwrap();
+        let tenants = tokens.map(|token| As { connection: connection.clone(), bearer: Bearer(Some(token)) });
+        (Self { handle, task }, tenants)
+    }
+
+    async fn stop(self) {
+        self.handle.stop();
+        tokio::time::timeout(PATIENCE, self.task).await.expect("it stops").unwrap();
+    }
+}
+
+fn limits() -> v1::JobLimits {
+    v1::JobLimits {
+        simulated_ns: i64::MAX,
+        blocks: 10_000_000_000,
+        macro_steps: 1_000_000_000_000_000,
+        ..Default::default()
+    }
+}
+
+/// Submits a job that ends by nothing but a limit of time.
+async fn endless(caller: &As, machine: &str, program: &str, limits: v1::JobLimits) -> String {
+    caller.submit_limited("endless", machine, program, Some(limits)).await.unwrap().job_id
+}
+
+/// Puts the machine whose tool change takes long.
+async fn put_spin(caller: &As) {
+    let toml = "extends = \"fanuc-mill\"\n[ce]\nname = \"spin\"\n[macros]\ntool = \"t.mac\"\n";
+    let mut files = Vec::new();
+    for (path, content) in [("machine.toml", toml), ("t.mac", SPIN)] {
+        let digest = caller.upload(content.as_bytes()).await.unwrap();
+        files.push(v1::MachineFile { path: format!("spin/{path}"), digest });
+    }
+    caller.machines().put_machine(v1::PutMachineRequest { name: "spin".into(), files }).await.unwrap();
+}
+
+async fn ends(caller: &As, job: &str) -> v1::JobStatus {
+    let ends = async {
+        loop {
+            let status = caller.wait(job).await;
+            if status.ended_ms > 0 {
+                return status;
+            }
+        }
+    };
+    tokio::time::timeout(PATIENCE, ends).await.unwrap_or_else(|_| panic!("{job} has not ended"))
+}
+
+/// Waits until the first channel of a job has done more blocks than at the first look.
+async fn moves(caller: &As, job: &str) {
+    let request = v1::WatchJobRequest { job_id: job.into(), heartbeat_ms: 100, ..Default::default() };
+    let mut watch = caller.jobs().watch_job(request).await.unwrap().into_inner();
+    let moves = async {
+        let mut first = None;
+        loop {
+            let Some(Content::Progress(progress)) = watch.message().await.unwrap().unwrap().content else { continue };
+            let Some(now) = progress.channels.first().map(|channel| channel.blocks) else { continue };
+            if *first.get_or_insert(now) < now {
+                return;
+            }
+        }
+    };
+    tokio::time::timeout(PATIENCE, moves).await.unwrap_or_else(|_| panic!("{job} does not move"));
+}
+
+async fn cancel(caller: &As, job: &str) {
+    caller.jobs().cancel_job(v1::CancelJobRequest { job_id: job.into() }).await.unwrap();
+    let status = ends(caller, job).await;
+    assert_eq!(status.state(), v1::JobState::Cancelled, "{status:?}");
+}
+
+/// One worker, three tenants with endless work in blocks, in a macro, and in the preparation of long programs: the job
+/// of a fourth ends, and every run continues.
+#[tokio::test(flavor = "multi_thread")]
+async fn the_job_of_a_tenant_ends_beside_endless_runs_of_others_on_one_worker() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { workers: 1, ..guarded(folder.path()) };
+    let (server, [blocks, macros, long, late]) = Real::start(options, ["blocks", "macros", "long", "late"]).await;
+    put_spin(&macros).await;
+    let first = endless(&blocks, "fanuc-mill", BLOCKS, limits()).await;
+    moves(&blocks, &first).await;
+    let second = endless(&macros, "spin", MACRO, limits()).await;
+    server_until(&macros, &second, v1::JobState::Running).await;
+    let third = endless(
+        &long,
+        "fanuc-mill",
+        &format!("O1\nG21 G90 G94 F100\n{}M30\n", "G1 X1.\nX2.\n".repeat(80_000)),
+        limits(),
+    )
+    .await;
+    for number in 0..3 {
+        let job = late.submit(&format!("tiny-{number}"), "fanuc-mill", TINY).await.unwrap().job_id;
+        assert_eq!(ends(&late, &job).await.state(), v1::JobState::Succeeded);
+    }
+    moves(&blocks, &first).await;
+    let status = ends(&long, &third).await;
+    assert_eq!(status.state(), v1::JobState::Succeeded, "{status:?}");
+    // Of the two one is suspended at any time.
+    cancel(&macros, &second).await;
+    moves(&blocks, &first).await;
+    cancel(&blocks, &first).await;
+    server.stop().await;
+}
+
+/// Suspended or not, a run can be paused, resumed and stopped with the server.
+#[tokio::test(flavor = "multi_thread")]
+async fn suspended_runs_are_paused_resumed_and_drained_like_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { workers: 1, ..guarded(folder.path()) };
+    let (server, tenants) = Real::start(options.clone(), ["a", "b", "c"]).await;
+    let mut jobs = Vec::new();
+    for tenant in &tenants {
+        jobs.push(endless(tenant, "fanuc-mill", BLOCKS, limits()).await);
+    }
+    for (tenant, job) in tenants.iter().zip(&jobs) {
+        moves(tenant, job).await;
+    }
+    for (tenant, job) in tenants.iter().zip(&jobs) {
+        tenant.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
+        server_until(tenant, job, v1::JobState::Queued).await;
+    }
+    for (tenant, job) in tenants.iter().zip(&jobs) {
+        tenant.jobs().resume_job(v1::ResumeJobRequest { job_id: job.clone() }).await.unwrap();
+    }
+    for (tenant, job) in tenants.iter().zip(&jobs) {
+        moves(tenant, job).await;
+    }
+    server.stop().await;
+    // They were interrupted, so none has failed and all run again.
+    let service = service::build(options).await.unwrap();
+    let handle = service.handle();
+    let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
+    let connection = Channel::from_shared(format!("http://{}", handle.address())).unwrap().connect().await.unwrap();
+    for (tenant, job) in tenants.into_iter().zip(&jobs) {
+        let tenant = As { connection: connection.clone(), ..tenant };
+        moves(&tenant, job).await;
+    }
+    Real { handle, task }.stop().await;
+}
+
+/// A run has all its time by the clock, however long it was suspended; its deadline does not wait.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_limit_of_time_counts_running_time_and_a_deadline_does_not() {
+    const WALL_MS: u64 = 2000;
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { workers: 1, ..guarded(folder.path()) };
+    let (server, [busy, limited, late]) = Real::start(options, ["busy", "limited", "late"]).await;
+    let endless_job = endless(&busy, "fanuc-mill", BLOCKS, limits()).await;
+    moves(&busy, &endless_job).await;
+    let second = endless(&late, "fanuc-mill", BLOCKS, limits()).await;
+    moves(&late, &second).await;
+    let job = endless(&limited, "fanuc-mill", BLOCKS, v1::JobLimits { wall_ms: WALL_MS, ..limits() }).await;
+    let status = ends(&limited, &job).await;
+    assert_eq!((status.state(), status.limit()), (v1::JobState::Failed, v1::JobLimit::WallMs), "{status:?}");
+    // Of three tenants each has a third of the worker.
+    let elapsed = status.ended_ms - status.started_ms;
+    assert!(elapsed >= 3 * WALL_MS as i64 / 2, "{elapsed} ms: suspended time has counted");
+    let digest = limited.upload(BLOCKS.as_bytes()).await.unwrap();
+    let request = v1::SubmitJobRequest {
+        request_id: "deadline".into(),
+        machine: "fanuc-mill".into(),
+        programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
+        files: vec![v1::FileRef { path: "main.nc".into(), digest }],
+        options: Some(v1::JobOptions { limits: Some(limits()), ..Default::default() }),
+        deadline_ms: status.ended_ms + 3000,
+        ..Default::default()
+    };
+    let job = limited.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
+    assert_eq!(ends(&limited, &job).await.limit(), v1::JobLimit::Deadline);
+    server.stop().await;
+}
