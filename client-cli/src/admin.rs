@@ -10,8 +10,12 @@ use crate::text::table;
 
 /// Executes a command; returns the exit code.
 pub(crate) async fn dispatch(command: Admin) -> Result<u8, Error> {
-    let (Admin::Connections(at) | Admin::Streams(at) | Admin::Workers(at) | Admin::Drain(at) | Admin::Collect(at)) =
-        &command;
+    let (Admin::Connections(at)
+    | Admin::Streams(at)
+    | Admin::Workers(at)
+    | Admin::Drain(at)
+    | Admin::Collect(at)
+    | Admin::Compact(at)) = &command;
     let client = Client::connect(&at.remote.server).await?;
     let text = match command {
         Admin::Connections(_) => connections(&client).await?,
@@ -24,6 +28,11 @@ pub(crate) async fn dispatch(command: Admin) -> Result<u8, Error> {
         Admin::Collect(_) => {
             let answer = client.admin().collect(v1::CollectRequest {}).await?.into_inner();
             format!("removed {} jobs, {} blobs\n", answer.jobs, answer.blobs)
+        }
+        Admin::Compact(_) => {
+            let answer = client.admin().compact_ledger(v1::CompactLedgerRequest {}).await?.into_inner();
+            let v1::CompactLedgerResponse { before_bytes, after_bytes, waited_ms } = answer;
+            format!("the ledger had {before_bytes} bytes and has {after_bytes} now; submits waited {waited_ms} ms\n")
         }
     };
     say::data(text.as_bytes())?;

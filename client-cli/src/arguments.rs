@@ -383,6 +383,8 @@ pub(crate) enum Admin {
     Drain(AdminArgs),
     /// Ask the server to remove expired jobs and unneeded blobs now
     Collect(AdminArgs),
+    /// Ask the server to write its ledger anew without free space: submits wait until it is done
+    Compact(AdminArgs),
 }
 
 #[derive(Debug, Args)]

@@ -3,6 +3,7 @@
 //! Invariants: [`TABLE`] names everything that is ever shown (a test compares it with the docs); labels have few
 //! values, so nothing grows with jobs or callers but the list of tenants.
 
+use std::sync::atomic::AtomicU64;
 use std::time::Duration;
 
 use prometheus_client::encoding::text::encode;
@@ -12,6 +13,7 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
 use prometheus_client::registry::{Metric, Registry};
 
+use crate::ledger::Compacted;
 use crate::process::Process;
 
 /// Displayed name, kind, and description.
@@ -56,6 +58,10 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     ("counterpoint_commit_seconds", "histogram", "Time of a commit of the ledger"),
     ("counterpoint_syncs_total", "counter", "Files and folders made durable"),
     ("counterpoint_free_bytes", "gauge", "Free bytes on the disk of the data folder"),
+    ("counterpoint_ledger_bytes", "gauge", "Bytes of the file of the ledger"),
+    ("counterpoint_ledger_compactions_total", "counter", "Compactions of the ledger"),
+    ("counterpoint_ledger_compaction_seconds_total", "counter", "Seconds for which submits waited for compactions"),
+    ("counterpoint_ledger_reclaimed_bytes_total", "counter", "Bytes by which compactions made the ledger smaller"),
     ("counterpoint_ledger_writable", "gauge", "1 while the ledger can be written, otherwise 0"),
     (
         "counterpoint_clock_ahead_seconds",
@@ -169,6 +175,10 @@ pub(crate) struct Storage {
     pub(crate) syncs: Counter,
     pub(crate) free_bytes: Gauge,
     pub(crate) writable: Gauge,
+    pub(crate) ledger_bytes: Gauge,
+    compactions: Counter,
+    compaction_seconds: Counter<f64, AtomicU64>,
+    reclaimed: Counter,
 }
 
 /// Outcome of a webhook.
@@ -228,6 +238,10 @@ impl Metrics {
             syncs: Counter::default(),
             free_bytes: Gauge::default(),
             writable: Gauge::default(),
+            ledger_bytes: Gauge::default(),
+            compactions: Counter::default(),
+            compaction_seconds: Counter::default(),
+            reclaimed: Counter::default(),
         };
         let (watchers, lag) = (Gauge::default(), Gauge::default());
         let mut registry = Registry::default();
@@ -260,6 +274,10 @@ impl Metrics {
         register(all, "counterpoint_commit_seconds", storage.commit_seconds.clone());
         register(all, "counterpoint_syncs_total", storage.syncs.clone());
         register(all, "counterpoint_free_bytes", storage.free_bytes.clone());
+        register(all, "counterpoint_ledger_bytes", storage.ledger_bytes.clone());
+        register(all, "counterpoint_ledger_compactions_total", storage.compactions.clone());
+        register(all, "counterpoint_ledger_compaction_seconds_total", storage.compaction_seconds.clone());
+        register(all, "counterpoint_ledger_reclaimed_bytes_total", storage.reclaimed.clone());
         register(all, "counterpoint_ledger_writable", storage.writable.clone());
         let process = Process::new();
         register(all, "counterpoint_clock_ahead_seconds", process.clock_ahead_s.clone());
@@ -308,6 +326,13 @@ impl Metrics {
     /// Measures a commit of the ledger.
     pub(crate) fn commit(&self, time: Duration) {
         self.storage.commit_seconds.observe(time.as_secs_f64());
+    }
+
+    /// Counts a compaction of the ledger.
+    pub(crate) fn compacted(&self, done: &Compacted) {
+        self.storage.compactions.inc();
+        self.storage.compaction_seconds.inc_by(done.time.as_secs_f64());
+        self.storage.reclaimed.inc_by(done.reclaimed());
     }
 
     /// Sets the waiting jobs and the number of paused jobs of each tenant. A tenant without jobs is no longer shown.

@@ -56,6 +56,7 @@ pub(crate) const CALLS: &[(&str, &str, Role)] = &[
     ("counterpoint.v1.Admin", "ListWorkers", Role::Admin),
     ("counterpoint.v1.Admin", "Drain", Role::Admin),
     ("counterpoint.v1.Admin", "Collect", Role::Admin),
+    ("counterpoint.v1.Admin", "CompactLedger", Role::Admin),
 ];
 
 /// Name of the call of a path for metrics: one of few.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Core;
-use crate::ledger::{Keep, Kept};
+use crate::ledger::{Compacted, Keep, Kept};
 use crate::options::Tenant;
 use crate::reason::Refusal;
 
@@ -52,6 +52,7 @@ pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
             }
             if next <= Instant::now() {
                 note("blobs that nothing needs", collect_blobs(&core, grace));
+                compact_if_worthwhile(&core);
                 next = Instant::now() + (grace / 10).clamp(TICK, LONGEST);
             }
             drop(core);
@@ -100,6 +101,18 @@ impl Core {
         let blobs = collect_blobs(self, Duration::from_secs(self.options.retention.blob_grace_s))?;
         Ok((jobs, blobs))
     }
+
+    /// Compacts the ledger if the disk has room for a copy of its rows, and for new work beside it.
+    pub(crate) fn compact(&self) -> Result<Compacted, Refusal> {
+        let least = self.options.min_free_bytes.saturating_add(self.ledger.used_bytes()?);
+        if self.host.free().is_some_and(|free| free < least) && !self.options.embedded.ephemeral {
+            return Err(Refusal::DiskFull(least));
+        }
+        let done = self.ledger.compact_blocking()?;
+        let Compacted { before, after, time } = done;
+        tracing::info!(before, after, ?time, "the ledger has been compacted");
+        Ok(done)
+    }
 }
 
 /// Removes ended jobs beyond the retention limits; returns their number.
@@ -137,6 +150,21 @@ fn collect_blobs(core: &Core, grace: Duration) -> Result<u64, Refusal> {
         }
     }
     Ok(removed)
+}
+
+/// Compacts the ledger if that is worthwhile.
+fn compact_if_worthwhile(core: &Core) {
+    let least_free = core.options.retention.compact_bytes;
+    let file = core.ledger.file_bytes();
+    // A small file needs no look at its pages.
+    if least_free == 0 || file < least_free {
+        return;
+    }
+    if core.ledger.used_bytes().is_ok_and(|used| Compacted::worthwhile(file, used, least_free))
+        && let Err(error) = core.compact()
+    {
+        tracing::warn!(%error, "the ledger is not compacted yet");
+    }
 }
 
 /// Logs the removed items, or that removal will be tried again.

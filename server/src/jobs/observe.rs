@@ -47,6 +47,7 @@ impl Core {
         self.metrics.lag.set(i64::try_from(lag).unwrap_or(i64::MAX));
         self.metrics.storage.free_bytes.set(self.host.free().map_or(0, |free| i64::try_from(free).unwrap_or(i64::MAX)));
         self.metrics.process.clock_ahead_s.set(self.board.clock.ahead_ms() / 1000);
+        self.metrics.storage.ledger_bytes.set(i64::try_from(self.ledger.file_bytes()).unwrap_or(i64::MAX));
         self.metrics.storage.writable.set(i64::from(*self.ledger.writable().borrow()));
     }
 

@@ -9,6 +9,7 @@ pub(crate) mod record;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
+use std::time::Duration;
 
 use bytes::Bytes;
 use counterpoint_kernel::dialog::answers::Answer;
@@ -134,6 +135,14 @@ pub(crate) struct Page {
 /// Time in an identity, ms: when the job was accepted, by a clock that never goes back.
 pub(crate) fn time_of(id: Uuid) -> i64 {
     i64::try_from(id.as_u128() >> 80).unwrap_or(i64::MAX)
+}
+
+/// A storage that was made smaller: bytes before and after, and the time for which operations waited.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Compacted {
+    pub(crate) before: u64,
+    pub(crate) after: u64,
+    pub(crate) time: Duration,
 }
 
 /// The use of a tenant.
@@ -269,6 +278,15 @@ pub(crate) trait Ledger: Send + Sync + Debug {
 
     /// Copies itself for the backups that ask for it.
     fn serve_backups(&self);
+
+    /// Makes its file smaller, from a thread that may block. Operations wait meanwhile.
+    fn compact_blocking(&self) -> Result<Compacted, Refusal>;
+
+    /// Bytes of its file; 0 if there is none.
+    fn file_bytes(&self) -> u64;
+
+    /// Bytes that its rows need in the file. Reads all pages.
+    fn used_bytes(&self) -> Result<u64, Refusal>;
 }
 
 /// State to which a job returns when the server starts. `alone`: no other job was running when the previous server

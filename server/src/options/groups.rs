@@ -126,6 +126,9 @@ group! {
 group! {
     /// How long blobs that nothing needs and jobs that have ended are kept.
     Retention, RetentionFlags {
+        /// Free bytes in the file of the ledger from which on it is compacted, if they are half of it; 0 = only on
+        /// command
+        compact_bytes: u64 = 0, "COUNTERPOINT_COMPACT_BYTES", "BYTES";
         /// Seconds that a blob is kept which no job and no machine needs, from its last upload or question for it on
         blob_grace_s: u64 = 86_400, "COUNTERPOINT_BLOB_GRACE_S", "SECONDS";
         /// Seconds that an ended job is kept; 0 = without limit

@@ -90,4 +90,17 @@ impl Service for Admin {
         let (jobs, blobs) = blocking(move || core.collect()).await?;
         Ok(Response::new(v1::CollectResponse { jobs, blobs }))
     }
+
+    async fn compact_ledger(
+        &self,
+        _: Request<v1::CompactLedgerRequest>,
+    ) -> Result<Response<v1::CompactLedgerResponse>, Status> {
+        let core = self.core.clone();
+        let done = blocking(move || core.compact()).await?;
+        Ok(Response::new(v1::CompactLedgerResponse {
+            before_bytes: done.before,
+            after_bytes: done.after,
+            waited_ms: u64::try_from(done.time.as_millis()).unwrap_or(u64::MAX),
+        }))
+    }
 }

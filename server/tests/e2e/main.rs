@@ -15,6 +15,8 @@ mod backup;
 #[cfg(target_os = "linux")]
 mod bad_disk;
 mod collect;
+#[cfg(target_os = "linux")]
+mod compact;
 mod connections;
 mod damage;
 #[cfg(target_os = "linux")]

@@ -26,13 +26,16 @@ pub(crate) struct LedgerFile {
 }
 
 impl LedgerFile {
-    /// Opens the file or creates an empty one. Its content is made durable first: a previous server, or a sync that
-    /// failed, may have left an unanswered transaction that a loss of power would undo.
+    /// Opens the file or creates an empty one. Its content and its name are made durable first: a previous server, a
+    /// sync that failed, or a compaction may have left what a loss of power would undo.
     pub(crate) fn open(disk: &Disk, path: &Path) -> io::Result<Self> {
         disk.step(Step::Create, path).at(path)?;
         let file = File::options().read(true).write(true).create(true).truncate(false).open(path).at(path)?;
         disk.step(Step::Sync, path).at(path)?;
         file.sync_data().at(path)?;
+        if let Some(folder) = path.parent() {
+            disk.sync_folder(folder).at(folder)?;
+        }
         let inner = FileBackend::new(file).map_err(io::Error::other)?;
         Ok(Self { inner, disk: disk.clone(), path: path.to_owned() })
     }

@@ -5,6 +5,7 @@
 
 mod blob_refs;
 pub(crate) mod checkup;
+mod compact;
 mod file;
 mod index;
 mod leaves;
@@ -27,14 +28,16 @@ use std::thread::JoinHandle;
 
 use bytes::Bytes;
 use counterpoint_kernel::dialog::answers::Answer;
-use redb::{ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
+use redb::{
+    Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction,
+};
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::{NoContext, Timestamp, Uuid};
 
 use super::contained::contained;
 use super::store::Store;
 use crate::ledger::record::{Record, Work};
-use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage, time_of};
+use crate::ledger::{Accepted, Check, Compacted, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage, time_of};
 use crate::log::damage::{damage, of_job};
 use crate::machines::Definition;
 use crate::metrics::Metrics;
@@ -134,12 +137,13 @@ impl LocalLedger {
             tracing::info!(before, now = schema::SCHEMA, "the ledger has been brought to the schema of this version");
         }
         let database = RwLock::new(Some(Arc::new(database)));
-        let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true), metrics });
+        let writable = watch::Sender::new(true);
+        let shared = Arc::new(Shared { place, database, writable, metrics, compactions: Mutex::default() });
         let (operations, queue) = mpsc::channel(1024);
-        let own = shared.clone();
+        let (own, folder) = (shared.clone(), store.clone());
         let work = move || {
             let _closes = WriterEnd(own.clone());
-            writer::write(&own, queue);
+            writer::write(&own, &folder, queue);
         };
         let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(work)?;
         Ok(Self {
@@ -156,16 +160,18 @@ impl LocalLedger {
         self.operations.read().unwrap_or_else(PoisonError::into_inner).clone().ok_or_else(closed)
     }
 
-    fn snapshot(&self) -> Result<ReadTransaction, Refusal> {
-        let database = self.shared.database.read().unwrap_or_else(PoisonError::into_inner);
-        database.as_ref().ok_or_else(closed)?.begin_read().map_err(storage)
+    /// A reader, and its database: it closes its file when it is dropped, also under readers.
+    fn snapshot(&self) -> Result<(Arc<Database>, ReadTransaction), Refusal> {
+        let database = self.shared.current().ok_or_else(closed)?;
+        let txn = database.begin_read().map_err(storage)?;
+        Ok((database, txn))
     }
 
     /// Reads; damage that the database meets is an error.
     fn read<T>(&self, work: impl FnOnce(&ReadTransaction) -> Result<T, Refusal>) -> Result<T, Refusal> {
-        let txn = contained(|| self.snapshot())??;
+        let (database, txn) = contained(|| self.snapshot())??;
         let done = contained(|| work(&txn));
-        contained(|| drop(txn))?;
+        contained(|| drop((txn, database)))?;
         done?
     }
 
@@ -457,6 +463,21 @@ impl Ledger for LocalLedger {
                 }
             }
         }
+    }
+
+    fn compact_blocking(&self) -> Result<Compacted, Refusal> {
+        let answered = self.shared.ask_for_compaction();
+        // The writer compacts after the transaction of this operation, which changes nothing.
+        self.write_blocking(|_| Ok(()))?;
+        answered.blocking_recv().map_err(|_| closed())?
+    }
+
+    fn file_bytes(&self) -> u64 {
+        if self.store.durable() { self.store.ledger().metadata().map_or(0, |meta| meta.len()) } else { 0 }
+    }
+
+    fn used_bytes(&self) -> Result<u64, Refusal> {
+        self.read(compact::used_bytes)
     }
 }
 

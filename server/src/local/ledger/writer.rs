@@ -7,18 +7,20 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use redb::{Database, WriteTransaction};
-use tokio::sync::{mpsc, watch};
+use tokio::sync::{mpsc, oneshot, watch};
 
 use super::file::{Frozen, LedgerFile};
 use super::pace::Paces;
-use super::storage;
+use super::{compact, storage};
+use crate::ledger::Compacted;
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
 use crate::local::named::is_of_host;
+use crate::local::store::Store;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 
@@ -143,11 +145,20 @@ pub(super) struct Shared {
     /// Whether operations can be done.
     pub(super) writable: watch::Sender<bool>,
     pub(super) metrics: Arc<Metrics>,
+    /// Callers that wait for a compaction.
+    pub(super) compactions: Mutex<Vec<oneshot::Sender<Result<Compacted, Refusal>>>>,
 }
 
 impl Shared {
     pub(super) fn current(&self) -> Option<Arc<Database>> {
         self.database.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Asks the writer to compact the file after its next transaction.
+    pub(super) fn ask_for_compaction(&self) -> oneshot::Receiver<Result<Compacted, Refusal>> {
+        let (answer, answered) = oneshot::channel();
+        self.compactions.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
+        answered
     }
 
     /// Closes the database that failed and lets readers see its last durable state.
@@ -160,7 +171,7 @@ impl Shared {
     }
 
     /// Opens the file again; readers wait that long.
-    fn reopen(&self) -> bool {
+    pub(super) fn reopen(&self) -> bool {
         let mut database = self.database.write().unwrap_or_else(PoisonError::into_inner);
         let before = database.take();
         let _ = contained(|| drop(before));
@@ -179,8 +190,24 @@ impl Shared {
     }
 }
 
+/// Compacts the file for all callers that wait for that; `false` if the ledger cannot be written any more.
+fn compact_if_asked(shared: &Shared, store: &Store) -> bool {
+    let callers = std::mem::take(&mut *shared.compactions.lock().unwrap_or_else(PoisonError::into_inner));
+    if callers.is_empty() {
+        return true;
+    }
+    let done = compact::compact(shared, store);
+    if let Ok(done) = &done {
+        shared.metrics.compacted(done);
+    }
+    for caller in callers {
+        drop(caller.send(done.clone()));
+    }
+    *shared.writable.borrow()
+}
+
 /// Life of the writer thread: ends when all handles are gone.
-pub(super) fn write(shared: &Shared, mut queue: mpsc::Receiver<Operation>) {
+pub(super) fn write(shared: &Shared, store: &Store, mut queue: mpsc::Receiver<Operation>) {
     let mut pause = FIRST_PAUSE;
     let mut paces = Paces::default();
     // Its timer; without one there are no pauses.
@@ -207,11 +234,11 @@ pub(super) fn write(shared: &Shared, mut queue: mpsc::Receiver<Operation>) {
         let took = begin.elapsed();
         shared.metrics.commit(took);
         paces.committed(took, begin + took);
-        if done {
+        drop(database);
+        if done && compact_if_asked(shared, store) {
             pause = FIRST_PAUSE;
             continue;
         }
-        drop(database);
         shared.freeze();
         if !wait_for_the_disk(shared, &mut queue, &mut pause) {
             return;
