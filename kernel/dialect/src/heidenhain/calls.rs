@@ -15,7 +15,7 @@ use super::path::{AXES, actual, axis};
 use super::statement::Call;
 use super::variables::Value;
 use super::words::{Seen, Word, joined, shown};
-use crate::host::{Host, Place};
+use crate::host::{self, Host, Place};
 use counterpoint_fault as diag;
 
 /// Q203, the surface.
@@ -177,7 +177,14 @@ impl Heidenhain {
                 format!("spindle ? (error 1000): cycle {program} with the spindle off in '{}'", host.block_text());
             return Err(host.alarm(&diag::CYCLE_SPINDLE, text));
         }
-        self.call_file(host, program, stored)?;
+        let file = host.place().file;
+        let known = self.cycles.defined.found.filter(|(caller, _)| *caller == file);
+        let place = match known {
+            Some((_, place)) => place,
+            None => self.find_program(host, program, stored)?,
+        };
+        self.cycles.defined.found = Some((file, place));
+        host.call(host::Call { name: program.trim().into(), place, passes: 1, closes: true });
         self.calling = Some(flow::Kind::Cycle);
         self.cycles.running.changed.clear();
         if let Some(moved) = surface {

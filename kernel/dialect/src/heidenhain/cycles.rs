@@ -22,7 +22,9 @@ use super::variables::Value;
 use super::words::{Operand, Seen, Word, joined, words};
 use super::{Heidenhain, Line};
 use crate::host::{Host, Place};
+use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_program::shape::Range;
 
 /// Behind `CYCL DEF`.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
@@ -172,7 +174,12 @@ pub(super) struct State {
     pub(super) stored: bool,
     /// Every position calls it since M89.
     pub(super) modal: bool,
+    /// Where the last call has found the program, from the file that called.
+    pub(super) found: Option<(FileId, FoundProgram)>,
 }
+
+/// The place of a program, if there is one.
+type FoundProgram = Option<(FileId, Range)>;
 
 /// The program of a running cycle.
 #[derive(Debug, Default)]
@@ -250,7 +257,7 @@ impl Heidenhain {
         }
         let mut before = self.shifts.define(host, number, &mut Vec::new());
         if self.settings.cycles.contains(&number) {
-            self.cycles.defined = State { program: Some(number.to_string().into()), stored: true, modal: false };
+            self.cycles.defined = State { program: Some(number.to_string().into()), stored: true, ..State::default() };
             return Ok(None);
         }
         if !ACT_AT_ONCE.contains(&number) {
@@ -310,7 +317,7 @@ impl Heidenhain {
                 },
                 None => program.trim_matches('"').into(),
             };
-            self.cycles.defined = State { program: Some(name), stored: false, modal: false };
+            self.cycles.defined = State { program: Some(name), ..State::default() };
             return Ok(None);
         }
         if !ACT_AT_ONCE.contains(cycle) {
@@ -354,7 +361,7 @@ impl Heidenhain {
     /// A cycle of several lines that is a program, with the values of its lines.
     pub(super) fn define_old<'s>(&mut self, cycle: u32, lines: impl Iterator<Item = (u32, &'s [Seen])>) {
         self.cycles.old = old::data(cycle, lines, self.path.plane);
-        self.cycles.defined = State { program: Some(cycle.to_string().into()), stored: true, modal: false };
+        self.cycles.defined = State { program: Some(cycle.to_string().into()), stored: true, ..State::default() };
     }
 
     /// GLOBAL DEF: sets the values of PREDEF in later definitions.

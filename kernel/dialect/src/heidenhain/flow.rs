@@ -159,12 +159,7 @@ impl Heidenhain {
 
     /// A program called by name.
     pub(super) fn call_program(&mut self, host: &mut dyn Host, name: &str) -> Result<(), Halt> {
-        self.call_file(host, name, false)
-    }
-
-    /// A program called by name; one of the control is looked for there first.
-    pub(super) fn call_file(&mut self, host: &mut dyn Host, name: &str, stored: bool) -> Result<(), Halt> {
-        let place = self.find_program(host, name, stored)?;
+        let place = self.find_program(host, name, false)?;
         self.calling = Some(Kind::Program);
         host.call(Call { name: name.trim().into(), place, passes: 1, closes: true });
         Ok(())
