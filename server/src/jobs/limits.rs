@@ -22,6 +22,8 @@ pub(super) struct RunLimits {
     /// Time and reason of a planned stop.
     deadline: Option<(Instant, Stopped)>,
     pub(super) bytes: Option<u64>,
+    /// Bytes that the run may hold besides the values of macros, from its preparation on.
+    pub(super) held: Option<u64>,
     /// The limit that was reached.
     pub(super) reached: Option<Stopped>,
 }

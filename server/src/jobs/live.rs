@@ -4,7 +4,7 @@
 //! read the results.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -66,8 +66,6 @@ pub(crate) struct Live {
     /// Queue of the commands of the operator who steps through the job.
     stepping: OnceLock<Arc<Stepping>>,
     limits: Mutex<RunLimits>,
-    /// Bytes that the run may hold besides the values of macros, from its preparation on.
-    held: AtomicU64,
     /// Held while the job is paused or resumed, so that ledger and memory agree.
     pub(super) holding: tokio::sync::Mutex<()>,
 }
@@ -98,7 +96,6 @@ impl Live {
             finished: OnceLock::new(),
             writer: Mutex::new(None),
             limits: Mutex::default(),
-            held: AtomicU64::new(UNKNOWN),
             promised: AtomicBool::new(false),
             holding: tokio::sync::Mutex::default(),
         }
@@ -162,7 +159,7 @@ impl Live {
         drop(self.end_log());
         self.tail().begin_again();
         *lock(&self.run) = None;
-        self.held.store(UNKNOWN, Ordering::Relaxed);
+        lock(&self.limits).held = None;
         self.renew();
     }
 
@@ -187,7 +184,7 @@ impl Live {
 
     /// Sets the state of a prepared run; the job may have been cancelled by then.
     pub(crate) fn prepared(&self, run: Run) {
-        self.held.store(held_by(&run.info), Ordering::Relaxed);
+        lock(&self.limits).held = Some(held_by(&run.info));
         *lock(&self.run) = Some(Arc::new(run));
         if self.cancelled() || self.reached().is_some() {
             self.interrupt();
@@ -213,7 +210,7 @@ impl Live {
 
     /// Bytes that the run may hold besides the values of macros.
     pub(super) fn held_bytes(&self) -> u64 {
-        self.held.load(Ordering::Relaxed)
+        lock(&self.limits).held.unwrap_or(UNKNOWN)
     }
 
     /// Sets the limits of the run that begins now: running time, ms, and bytes of log and files; and the deadline of
