@@ -29,7 +29,7 @@ import (
 	v1 "counterpoint/v1"
 )
 
-// errUnreachable is the error of an address where no server answers.
+// errUnreachable reports an address where no server answers.
 var errUnreachable = errors.New("check the address, or start counterpointd")
 
 func main() {
@@ -54,7 +54,7 @@ func main() {
 		fmt.Fprintln(os.Stderr, err)
 		os.Exit(3)
 	case err != nil:
-		// The server says what is wrong and what to do about it.
+		// The message of the server names the fault and the remedy.
 		fmt.Fprintln(os.Stderr, status.Convert(err).Message())
 		os.Exit(2)
 	case state != v1.JobState_JOB_STATE_SUCCEEDED:
@@ -62,7 +62,7 @@ func main() {
 	}
 }
 
-// settings are values for the fields of dialogs, by macro variable.
+// settings maps macro variables to values for the fields of dialogs.
 type settings map[string]string
 
 func (s settings) String() string { return "" }
@@ -158,7 +158,7 @@ func (c *client) submit(machine string, programs []string) (string, error) {
 	return answer.Status.JobId, nil
 }
 
-// upload sends a content in chunks.
+// upload sends content in chunks.
 func upload(ctx context.Context, blobs v1.BlobsClient, digest string, content []byte) error {
 	const chunk = 64 << 10
 	stream, err := blobs.Upload(ctx)
@@ -169,7 +169,7 @@ func upload(ctx context.Context, blobs v1.BlobsClient, digest string, content []
 	part := &v1.UploadRequest{Digest: digest, Size: &size}
 	for first := true; first || len(content) > 0; first = false {
 		part.Data, content = content[:min(chunk, len(content))], content[min(chunk, len(content)):]
-		// The reason of a refusal comes with the answer.
+		// The answer contains the reason for a refusal.
 		if stream.Send(part) != nil {
 			break
 		}

@@ -18,11 +18,11 @@ const REACH_MS = 1500;
 
 class Unreachable extends Error {}
 
-/** Connects within REACH_MS: one channel, a stub for each service. */
+/** Connects within REACH_MS: one channel, with a stub for each service. */
 async function connect(address) {
   const proto = process.env.COUNTERPOINT_PROTO ?? path.join(__dirname, "../../proto");
   const files = ["blobs", "jobs", "operator", "results"].map((name) => `counterpoint/v1/${name}.proto`);
-  // Numbers of 64 bits, such as cursors, stay exact as text.
+  // 64-bit numbers, such as cursors, stay exact as text.
   const form = { includeDirs: [proto], longs: String, enums: String, defaults: true, oneofs: true };
   const { v1 } = grpc.loadPackageDefinition(loader.loadSync(files, form)).counterpoint;
   const options = { "grpc.keepalive_time_ms": 30_000, "grpc.keepalive_timeout_ms": 10_000 };
@@ -45,7 +45,7 @@ function metadata() {
   return metadata;
 }
 
-/** Makes a call with one message and one answer. */
+/** Makes a unary call. */
 function call(stub, name, request) {
   return promisify(stub[name].bind(stub))(request, metadata());
 }
@@ -61,7 +61,7 @@ function upload(blobs, digest, content) {
   });
 }
 
-/** Uploads the files that the server does not have, and submits the job: it is stored when this returns. */
+/** Uploads the files that the server does not have, and submits the job. The job is stored when this returns. */
 async function submit(server, machine, programs) {
   const files = programs.map((file) => {
     const content = fs.readFileSync(file);
@@ -182,7 +182,7 @@ async function main() {
 main().then(
   (code) => (process.exitCode = code),
   (error) => {
-    // The server says what is wrong and what to do about it.
+    // The message of the server names the fault and the remedy.
     console.error(error.details ?? error.message);
     process.exitCode = error instanceof Unreachable ? 3 : 2;
   },

@@ -1,5 +1,5 @@
-// A job over gRPC-Web: submit, watch, dialogs, listing. Everything works with single messages from the client, since
-// browsers cannot stream requests.
+// A job over gRPC-Web: submit, watch, dialogs, listing. Every request is a single message, because browsers cannot
+// stream requests.
 
 import { Code, ConnectError, createClient } from "@connectrpc/connect";
 import { createGrpcWebTransport } from "@connectrpc/connect-web";
@@ -15,7 +15,7 @@ const LARGEST = 1 << 20;
 /** Longest time for the first answer, ms. */
 const REACH_MS = 1500;
 
-/** The clients of a server, for example `http://127.0.0.1:7878`. Fails within REACH_MS if none answers. */
+/** The clients of a server, for example `http://127.0.0.1:7878`. Fails within REACH_MS if no server answers. */
 export async function connect(baseUrl, token) {
   const authorize = (next) => (request) => {
     if (token) {
@@ -46,7 +46,7 @@ export async function connect(baseUrl, token) {
   return clients;
 }
 
-/** Stores the files, `[{ name, bytes }]`, and submits them left to right onto the channels; gives the job's id. */
+/** Stores the files, `[{ name, bytes }]`, and submits them as channels from left to right. Returns the job id. */
 export async function submit({ blobs, jobs }, machine, files) {
   const large = files.find(({ bytes }) => bytes.length > LARGEST);
   if (large) {
@@ -64,7 +64,7 @@ export async function submit({ blobs, jobs }, machine, files) {
   return status.jobId;
 }
 
-/** Shows progress and events until the job ends and gives its status; continues a broken watch at its cursor. */
+/** Shows progress and events until the job ends; continues a broken watch at its cursor. Returns the status. */
 export async function watch({ jobs }, jobId, { progress, event }) {
   let afterSeq = 0n;
   for (let failures = 0; ; failures++) {
@@ -94,7 +94,7 @@ export async function watch({ jobs }, jobId, { progress, event }) {
   }
 }
 
-/** Puts the dialogs of a job to `ask`, which gives values by macro variable, or nothing to decline. */
+/** Calls `ask` for each dialog of a job. `ask` returns values by macro variable, or nothing to decline. */
 export async function attend({ operator }, jobId, ask) {
   for await (const { content } of operator.watchQuestions({ jobId })) {
     if (content.case === "question") {

@@ -43,6 +43,6 @@ async function run() {
 part("form").addEventListener("submit", (event) => {
   event.preventDefault();
   part("messages").textContent = "";
-  // The server says what is wrong and what to do about it.
+  // The message of the server names the fault and the remedy.
   run().catch((error) => print(error.rawMessage ?? error.message));
 });
