@@ -1,11 +1,10 @@
-//! The drilling cycles of the control that move along the axis of the tool alone: 200, 201, 203, 205 to 207 and 240, as
-//! blocks of words.
+//! Drilling cycles that move only along the tool axis, as blocks of words: 200, 201, 203, 205 to 207 and 240.
 //!
-//! Facts: reference heidenhain-cycles.md; programming manuals of the control, drilling cycles. A stored program of
-//! these numbers has a head and no blocks: the kernel asks for the blocks of the hole ([`Heidenhain::hole`]) where it
-//! would enter the program. Decisions: a cycle reads its parameters, the feed and the spindle when it begins.
-//! *Invariants:* a cycle file of the user's machine is an ordinary program; a hole makes no block before the sign of
-//! its depth has been checked.
+//! Facts: reference heidenhain-cycles.md; programming manuals of the control, drilling cycles. A stored program with
+//! one of these numbers has a head and no blocks. Instead of entering it, the kernel requests the blocks of the hole
+//! from [`Heidenhain::hole`]. Decisions: a cycle reads its parameters, the feed and the spindle when it starts.
+//! *Invariants:* a cycle file of the user's machine is an ordinary program; the sign of the depth is checked before the
+//! first block of a hole is generated.
 
 mod pecking;
 mod tapping;
@@ -22,21 +21,21 @@ use crate::interpreter::MadeBlocks;
 use counterpoint_fault as diag;
 pub(super) use words::HoleWords;
 
-/// Most infeeds of a hole.
+/// Maximum infeeds of a hole.
 const MOST_INFEEDS: u32 = 10_000;
-/// Rests of a hole below this are nothing.
+/// Remaining depths below this count as 0.
 const NEGLIGIBLE: f64 = 0.0001;
 
 /// A drilling cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum HoleCycle {
-    /// 200: in infeeds, out to the clearance after each.
+    /// 200: drilling in infeeds, with a retract to the clearance after each.
     Drill,
-    /// 201: back at feed.
+    /// 201: reaming, with a retract at feed.
     Ream,
-    /// 203: infeeds that shrink, chip breaks.
+    /// 203: decreasing infeeds with chip breaking.
     Universal,
-    /// 205: infeeds that shrink, stops before the last depth, chip breaks.
+    /// 205: decreasing infeeds with chip breaking; each return stops above the depth already reached.
     Peck,
     /// 206: tapping with a floating holder.
     FloatingTap,
@@ -61,29 +60,29 @@ impl HoleCycle {
     }
 }
 
-/// A hole while its blocks are made.
+/// A hole while its blocks are generated.
 struct Hole<'h> {
     control: &'h mut Heidenhain,
     host: &'h mut dyn Host,
     blocks: &'h mut MadeBlocks,
     words: HoleWords,
-    /// Feed of the program that calls.
+    /// Feed of the calling program.
     feed: f64,
     levels: Levels,
 }
 
-/// Levels along the axis of the tool.
+/// Levels along the tool axis.
 #[derive(Debug, Clone, Copy)]
 struct Levels {
     surface: f64,
     clearance: f64,
-    /// The second clearance, if it counts.
+    /// The second clearance, unless it is below the first one.
     second: Option<f64>,
     depth: f64,
 }
 
 impl Heidenhain {
-    /// Makes the blocks of a drilling cycle that the block calls; whether the program is one.
+    /// Generates the blocks of the drilling cycle that the block calls; false if the program is not such a cycle.
     pub(super) fn hole(&mut self, host: &mut dyn Host, blocks: &mut MadeBlocks) -> Result<bool, Halt> {
         let defined = &self.cycles.defined;
         let number = defined.program.as_deref().filter(|_| defined.stored).and_then(|name| name.parse().ok());
@@ -146,13 +145,13 @@ impl Hole<'_> {
         self.control.parameter(index)
     }
 
-    /// A feed by its parameter; the feed of drilling, Q206, for 0.
+    /// The feed of a parameter; if that is 0, the drilling feed Q206.
     fn feed_or_drilling(&self, index: u32) -> f64 {
         let feed = self.parameter(index);
         if feed == 0.0 { self.parameter(206) } else { feed }
     }
 
-    /// From the clearance to the second one, if that is above, with the feed of the program.
+    /// Retracts to the second clearance, if it counts, and restores the feed of the program.
     fn leave(&mut self) {
         if let Some(second) = self.levels.second {
             self.rapid(second);
@@ -160,12 +159,12 @@ impl Hole<'_> {
         self.set_feed(self.feed);
     }
 
-    /// The angle of the tip of the tool by its table, 0 without one.
+    /// Tip angle in the tool table, 0 if the table has none.
     fn tip_angle(&mut self) -> Result<f64, Halt> {
         self.control.system_number(self.host, 50.0, 32.0, None)
     }
 
-    /// Q395 = 1: the depth is that of the full diameter.
+    /// With Q395 = 1, makes the depth apply to the full diameter.
     fn add_tip(&mut self) -> Result<(), Halt> {
         if self.parameter(395) == 0.0 {
             return Ok(());
@@ -178,7 +177,8 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// 201.
+        /// 201: reaming.
+
     fn ream(&mut self) -> Result<(), Halt> {
         let back = self.feed_or_drilling(208);
         self.line(self.levels.depth, self.parameter(206));
@@ -187,7 +187,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// 240. Q343 = 1: the depth follows from the diameter Q344, at 90 degrees without an angle in the tool table.
+    /// 240: centring. With Q343 = 1 the diameter Q344 gives the depth; a missing tip angle counts as 90 degrees.
     fn centre(&mut self) -> Result<(), Halt> {
         if self.parameter(343) != 0.0 {
             let angle = self.tip_angle()?;
@@ -201,7 +201,7 @@ impl Hole<'_> {
     }
 }
 
-/// Height of a cone with this radius and this angle at its tip.
+/// Height of a cone, from its radius and tip angle.
 fn cone(radius: f64, angle: f64) -> f64 {
     let half = (angle / 2.0).to_radians();
     radius * libm::cos(half) / libm::sin(half)

@@ -1,7 +1,7 @@
-//! Cycles 200, 203 and 205: holes in infeeds.
+//! Cycles 200, 203 and 205: holes in several infeeds.
 //!
-//! Facts: as those of the folder. Decision: the stop before the last depth (205) changes evenly from Q258 at the first
-//! return to Q259 at the last one.
+//! Facts: see the parent module. Decision: the stop distance above the depth already reached (205) changes evenly, from
+//! Q258 at the first return to Q259 at the last return.
 
 use counterpoint_fault::Halt;
 
@@ -11,21 +11,21 @@ use counterpoint_fault as diag;
 /// Infeeds of a hole.
 #[derive(Debug, Clone, Copy)]
 struct Infeeds {
-    /// The next one; 0 and less is the rest of the hole.
+    /// Length of the next infeed; 0 or less drills the rest of the hole.
     length: f64,
-    /// Amount by which they shrink, and the least one.
+    /// Decrease from one infeed to the next, and minimum infeed.
     shrink: [f64; 2],
     depth: f64,
 }
 
 impl Infeeds {
-    /// The depth that the next infeed reaches.
+    /// Depth at the end of the next infeed.
     fn next(&self, reached: f64) -> f64 {
         let next = reached - self.length;
         if self.length > 0.0 && next > self.depth + NEGLIGIBLE { next } else { self.depth }
     }
 
-    /// The infeed after this one.
+    /// Advances to the following infeed.
     fn shorten(&mut self) {
         let [by, least] = self.shrink;
         if by != 0.0 {
@@ -49,7 +49,7 @@ impl Hole<'_> {
         self.host.alarm(&diag::CYCLE_REFUSED, text)
     }
 
-    /// 200: infeeds Q202, out to the clearance after each with the dwell Q210.
+    /// 200: infeeds Q202; after each, a retract to the clearance with the dwell Q210.
     pub(super) fn drill(&mut self) -> Result<(), Halt> {
         self.add_tip()?;
         let infeeds = self.infeeds(false);
@@ -69,7 +69,7 @@ impl Hole<'_> {
         Err(self.too_many())
     }
 
-    /// 203: infeeds Q202 that shrink; Q213 chip breaks by Q256, then out to the clearance, and so on.
+    /// 203: decreasing infeeds Q202. After every Q213 chip breaks by Q256, the tool retracts to the clearance.
     pub(super) fn universal(&mut self) -> Result<(), Halt> {
         self.add_tip()?;
         let back = self.feed_or_drilling(208);
@@ -97,8 +97,9 @@ impl Hole<'_> {
         Err(self.too_many())
     }
 
-    /// 205: infeeds Q202 that shrink, out to the clearance after each and back to a stop above the last depth. Q379 is
-    /// where the hole begins, reached with the feed Q253; in an infeed a chip break by Q256 every Q257.
+    /// 205: decreasing infeeds Q202. After each, the tool retracts to the clearance and returns to a stop above the
+    /// depth already reached. The hole starts at the depth Q379, approached with the feed Q253. Within an infeed, the
+    /// chip is broken by Q256 every Q257.
     pub(super) fn peck(&mut self) -> Result<(), Halt> {
         self.add_tip()?;
         let back = self.feed_or_drilling(208);
@@ -132,7 +133,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// How often the tool returns to the clearance before the last infeed.
+    /// Number of retracts to the clearance before the last infeed.
     fn returns(&mut self, mut infeeds: Infeeds, mut reached: f64) -> Result<u32, Halt> {
         for returns in 0..MOST_INFEEDS {
             reached = infeeds.next(reached);
@@ -144,7 +145,7 @@ impl Hole<'_> {
         Err(self.too_many())
     }
 
-    /// An infeed with its chip breaks.
+    /// Drills one infeed with its chip breaks.
     fn in_chips(&mut self, mut from: f64, to: f64) -> Result<(), Halt> {
         let (chip, feed) = (self.parameter(257), self.parameter(206));
         let mut breaks = 0_u32;

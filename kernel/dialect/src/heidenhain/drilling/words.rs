@@ -1,14 +1,14 @@
-//! The blocks of a hole: their words.
+//! Words of the blocks of a hole.
 //!
-//! *Invariant:* a feed from which on a parameter means rapid is FMAX; feeds have their M function once a program has
-//! used a feed per revolution.
+//! *Invariant:* a feed at or above the rapid limit is written as FMAX; once a program has used a feed per revolution,
+//! every feed has its M function.
 
 use super::super::cycles::RAPID;
 use super::Hole;
 use crate::host::{Host, MadeWord};
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 
-/// Words of the machine that holes need.
+/// The machine's words for holes.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct HoleWords {
     line: Option<CodeRowId>,
@@ -19,7 +19,7 @@ pub(in super::super) struct HoleWords {
 }
 
 impl HoleWords {
-    /// As the tables of the machine have them.
+    /// Looks the words up in the tables of the machine.
     pub(super) fn of(host: &dyn Host) -> Self {
         Self {
             line: host.literal("L"),
@@ -40,7 +40,7 @@ impl Hole<'_> {
 
     fn add(&mut self, register: Option<(RegisterId, bool)>, value: f64) {
         let Some((register, incremental)) = register else { return };
-        // As values are written in a block.
+        // The precision of a written value.
         let value = if value.abs() < 1e6 { (value * 1e9).round() / 1e9 } else { value };
         self.blocks.push(MadeWord { register, incremental, value: value + 0.0, written: None, span: (0, 0) });
     }
@@ -57,7 +57,7 @@ impl Hole<'_> {
         self.letter(b'F', feed);
     }
 
-    /// Straight to a level at rapid, without compensation of the radius.
+    /// Moves straight to a level at rapid, without radius compensation.
     pub(super) fn rapid(&mut self, level: f64) {
         self.text(self.words.line);
         self.letter(b'Z', level);
@@ -67,7 +67,7 @@ impl Hole<'_> {
         self.control.path.rates.rapid_before = true;
     }
 
-    /// Straight to a level with a feed.
+    /// Moves straight to a level at a feed.
     pub(super) fn line(&mut self, level: f64, feed: f64) {
         let is_rapid = feed >= RAPID;
         self.text(self.words.line);
@@ -81,20 +81,20 @@ impl Hole<'_> {
         self.control.path.rates.rapid_before = is_rapid;
     }
 
-    /// The feed alone.
+    /// Sets the feed in a block of its own.
     pub(super) fn set_feed(&mut self, feed: f64) {
         self.feed_word(feed);
         self.blocks.end();
     }
 
-    /// An M function of the spindle.
+    /// Executes an M function of the spindle.
     pub(super) fn function(&mut self, number: f64) {
         self.control.variables.control.function(number);
         self.letter(b'M', number);
         self.blocks.end();
     }
 
-    /// A dwell in seconds; none at 0.
+    /// Dwells for a time in seconds; 0 adds no block.
     pub(super) fn dwell(&mut self, time: f64) {
         if time == 0.0 {
             return;

@@ -1,7 +1,7 @@
-//! Arguments of a drilling cycle: numbers by their place in the head of the cycle.
+//! Arguments of a drilling cycle: numbers by their position in the head of the cycle.
 //!
-//! Facts: reference siemens-cycles.md 1: an argument that is left out is 0. *Invariant:* every argument has the type of
-//! its parameter; texts, which name tables of threads for dialogs, have the number 0.
+//! Facts: reference siemens-cycles.md 1: an omitted argument is 0. *Invariant:* every argument has the type of its
+//! parameter. Texts, which name thread tables for dialogs, have the number 0.
 
 use super::super::calls::PassedArgument;
 use super::super::define::Header;
@@ -15,10 +15,10 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// The arguments that a call gives, as the parameters of the head hold them.
+    /// Converts the arguments of a call to the types of the parameters.
     ///
     /// # Errors
-    /// There are too many arguments, or one has the wrong type.
+    /// The call has too many arguments, or an argument has the wrong type.
     pub(super) fn new(header: &Header, given: &[PassedArgument]) -> Result<Self, String> {
         let count = header.parameters.len();
         if given.len() > count {
@@ -42,7 +42,7 @@ impl Arguments {
         self.values.get(at).copied().unwrap_or(0.0)
     }
 
-    /// Changes an argument, as the modes of the cycle want it.
+    /// Changes an argument according to the modes of the cycle.
     pub(super) fn set(&mut self, at: usize, value: f64) {
         if let Some(slot) = self.values.get_mut(at) {
             *slot = value;
@@ -54,7 +54,7 @@ impl Arguments {
         self.given.get(at).copied().unwrap_or(false)
     }
 
-    /// A decimal digit of an argument that is a whole number, from the right.
+    /// A decimal digit of an integer argument, counted from the right.
     pub(super) fn digit(&self, at: usize, place: u32) -> i64 {
         self.number(at) as i64 / 10_i64.pow(place) % 10
     }

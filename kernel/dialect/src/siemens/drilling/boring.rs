@@ -1,7 +1,7 @@
 //! CYCLE86 to CYCLE89: boring.
 //!
-//! Facts: reference siemens-cycles.md 1. CYCLE86 stops the spindle oriented and leaves the wall before it comes out,
-//! CYCLE87 and CYCLE88 stop the spindle and the program at the depth, CYCLE89 comes out at feed.
+//! Facts: reference siemens-cycles.md 1. CYCLE86 orients the spindle and moves the tool off the wall before the
+//! retract. CYCLE87 and CYCLE88 stop the spindle and the program at the depth. CYCLE89 retracts at feed.
 
 use super::super::Outcome;
 use super::super::value::shown;
@@ -19,7 +19,7 @@ impl Hole<'_> {
         self.dwell(self.arguments.number(dwell));
         self.orient_spindle(self.arguments.number(angle));
         if self.arguments.digit(modes, 0) == 1 {
-            // The tool stays at the wall.
+            // The tool is not moved off the wall.
             self.rapid(levels.retract);
             return Ok(());
         }
@@ -32,7 +32,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// G91 G0 by these distances along the axes of the plane.
+    /// Moves by distances along the axes of the plane (G91 G0).
     fn rapid_by(&mut self, distances: [f64; 3]) {
         self.letter(b'G', 91.0);
         self.letter(b'G', 0.0);
@@ -69,7 +69,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// M3 or M4 of the argument.
+    /// Starts the spindle in the direction of an argument: M3 or M4.
     fn start_spindle(&mut self, at: usize) -> Outcome<()> {
         let direction = self.arguments.number(at);
         if direction != 3.0 && direction != 4.0 {

@@ -1,7 +1,7 @@
 //! Levels and modes that all drilling cycles share.
 //!
-//! Facts: reference siemens-cycles.md 1: DPR, the depth from the reference plane, decides over DP; digits of the
-//! modes stand for themselves. *Invariant:* the reference plane lies between the retraction plane and the depth.
+//! Facts: reference siemens-cycles.md 1: DPR, the depth from the reference plane, takes precedence over DP; each digit
+//! of a mode is independent. *Invariant:* the reference plane lies between the retraction plane and the depth.
 
 use super::super::Outcome;
 use super::super::expression::whole;
@@ -11,14 +11,15 @@ use super::super::value::shown;
 use super::Hole;
 use super::words::HoleAxes;
 
-/// Levels along the axis of the tool.
+/// Levels along the tool axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Levels {
-    /// Where the work begins: the safety distance before the reference plane.
+    /// Start of machining: the safety distance before the reference plane.
     pub(super) start: f64,
-    /// Its depth.
+        /// Bottom of the hole.
+
     pub(super) bottom: f64,
-    /// Its direction: -1 towards smaller values.
+    /// Drilling direction: -1 towards smaller values.
     pub(super) sign: f64,
     /// Retraction plane.
     pub(super) retract: f64,
@@ -39,7 +40,7 @@ impl Levels {
 }
 
 impl Hole<'_> {
-    /// Levels of the arguments RTP, RFP, SDIS, DP, DPR, which are the first of all cycles.
+    /// Levels from RTP, RFP, SDIS, DP and DPR, which are the first arguments of every cycle.
     pub(super) fn levels(&mut self) -> Outcome<Levels> {
         let [retract, reference, distance, depth, relative] = [0, 1, 2, 3, 4].map(|at| self.arguments.number(at));
         let (bottom, sign);
@@ -63,9 +64,11 @@ impl Hole<'_> {
         Ok(Levels { start: reference - sign * distance.abs(), bottom, sign, retract, reference })
     }
 
-    /// Checks _GMODE, _DMODE and _AMODE, which begin at `modes`, and takes them into account: units of _AMODE 1 the
-    /// depth counts from the reference plane, 2 it is absolute; if `most_amode` lets them, tens 1 the dwell at `dwell`
-    /// is in seconds, 2 in revolutions. No digit is above the one of `most_gmode` and `most_amode` in its place.
+    /// Checks and applies _GMODE, _DMODE and _AMODE, the arguments from `modes` on. No digit may exceed the digit of
+    /// `most_gmode` or `most_amode` in the same place.
+    ///
+    /// Units digit of _AMODE: 1 = the depth counts from the reference plane, 2 = the depth is absolute. Tens digit, if
+    /// `most_amode` allows it: 1 = the dwell at `dwell` is in seconds, 2 = in revolutions.
     pub(super) fn depth_modes(
         &mut self,
         modes: usize,
@@ -91,7 +94,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// A digit of _AMODE: 1 the time is in seconds, 2 in revolutions, otherwise as its sign says.
+    /// Applies a digit of _AMODE to a time: 1 = seconds, 2 = revolutions, otherwise the sign of the time decides.
     pub(super) fn unit_of_time(&mut self, time: usize, amode: usize, place: u32) {
         let value = self.arguments.number(time);
         match self.arguments.digit(amode, place) {
@@ -120,7 +123,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// Units of _DMODE: the plane of the cycle, 0 that in force.
+    /// Applies the units digit of _DMODE: the plane of the cycle, 0 = the active plane.
     fn choose_plane(&mut self, at: usize) -> Outcome<()> {
         let value = self.arguments.number(at) as i64;
         let chosen = value % 10;
@@ -136,7 +139,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// Depth of the cone at the tip of the tool where its radius is this, by the angle of the tip.
+    /// Distance from the tip of the tool to the place where its cone has a radius, from the tip angle.
     pub(super) fn tip_depth(&mut self, radius: f64) -> Outcome<f64> {
         if self.variable("$P_TOOL")? == 0.0 {
             self.alarm(61000, "no tool offset is active")?;

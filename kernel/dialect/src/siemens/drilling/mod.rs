@@ -1,10 +1,10 @@
-//! The drilling cycles of the control, CYCLE81 to CYCLE89 and CYCLE840, as blocks of words.
+//! The drilling cycles CYCLE81 to CYCLE89 and CYCLE840, as blocks of words.
 //!
-//! Facts: reference siemens-cycles.md 1. A resident program of these names has a head, which says its parameters, and no
-//! blocks: the kernel asks for the blocks of the hole ([`Siemens::hole`]) where it would enter the program. Decisions: a
-//! cycle reads the feed, the spindle and the tool when it begins; its blocks do not test synchronised actions.
-//! *Invariants:* a cycle file of the user's machine is an ordinary program; a hole makes no block before all arguments
-//! of its cycle have been checked, except those that choose the plane.
+//! Facts: reference siemens-cycles.md 1. A resident program with one of these names has a head, which declares its
+//! parameters, and no blocks. Instead of entering it, the kernel requests the blocks of the hole from
+//! [`Siemens::hole`]. Decisions: a cycle reads the feed, the spindle and the tool when it starts; its blocks do not
+//! test synchronised actions. *Invariants:* a cycle file of the user's machine is an ordinary program; all arguments
+//! are checked before the first block of a hole is generated, except for blocks that select the plane.
 
 mod arguments;
 mod boring;
@@ -26,9 +26,9 @@ use counterpoint_event::FileId;
 use counterpoint_program::shape::Range;
 use words::HoleAxes;
 
-/// Rests of a hole below this are nothing.
+/// Remaining depths below this count as 0.
 const NEGLIGIBLE: f64 = 0.0001;
-/// Most strokes of a hole.
+/// Maximum strokes of a hole.
 const MOST_STROKES: u32 = 10_000;
 
 /// A drilling cycle.
@@ -50,12 +50,12 @@ enum Drilling {
     BoreOriented,
     /// CYCLE87 and CYCLE88: boring with a program stop; the latter dwells.
     BoreStopped { dwells: bool },
-    /// CYCLE89: boring, out at feed.
+    /// CYCLE89: boring, with a retract at feed.
     Bore,
 }
 
 impl Drilling {
-    /// The cycle of a program's name.
+    /// The cycle with the name of a program.
     fn named(name: &str) -> Option<Self> {
         Some(match name {
             "CYCLE81" => Self::Centre,
@@ -80,7 +80,7 @@ pub(super) struct HoleCycle {
     header: Header,
 }
 
-/// A hole while its blocks are made.
+/// A hole while its blocks are generated.
 struct Hole<'h> {
     siemens: &'h mut Siemens,
     host: &'h mut dyn Host,
@@ -92,7 +92,7 @@ struct Hole<'h> {
 }
 
 impl Siemens {
-    /// Makes the blocks of a drilling cycle that the block calls; whether the program is one.
+    /// Generates the blocks of the drilling cycle that the block calls; false if the program is not such a cycle.
     pub(super) fn hole(
         &mut self,
         host: &mut dyn Host,
@@ -146,7 +146,7 @@ impl Hole<'_> {
         self.siemens.raise(self.host, number, text)
     }
 
-    /// A system variable that is a number.
+    /// Reads a numeric system variable.
     fn variable(&mut self, name: &str) -> Outcome<f64> {
         let name = Name { name: name.to_owned(), index: Vec::new() };
         super::evaluate::number(&self.siemens.read(self.host, &name)?)

@@ -1,6 +1,7 @@
-//! CYCLE83: a deep hole, in strokes.
+//! CYCLE83: deep holes, in several strokes.
 //!
-//! Facts: reference siemens-cycles.md 1. _VARI 0 breaks chips and goes back by _VRT, 1 takes them out of the hole.
+//! Facts: reference siemens-cycles.md 1. VARI 0 breaks the chips with a retract by _VRT; VARI 1 clears the chips with a
+//! retract out of the hole.
 
 use super::super::Outcome;
 use super::super::evaluate::same;
@@ -8,10 +9,10 @@ use super::super::groups;
 use super::super::value::shown;
 use super::{Hole, MOST_STROKES, NEGLIGIBLE};
 
-/// Group of the unit of lengths; 1 is G70 and 3 G700.
+/// G group of the unit of length: 1 is G70, 3 is G700.
 const UNIT_GROUP: i64 = 13;
 
-// Places of the arguments.
+// Positions of the arguments.
 const FDEP: usize = 5;
 const FDPR: usize = 6;
 const DAM: usize = 7;
@@ -28,19 +29,21 @@ const AMODE: usize = MODES + 2;
 
 /// The strokes of a hole.
 struct Strokes {
-    /// Length of the next one.
+    /// Length of the next stroke.
     length: f64,
-    /// Amount by which they shrink, below zero the factor.
+    /// Amount by which strokes decrease; a negative value is a factor.
     less: f64,
-    /// No stroke is shorter.
+    /// Minimum length of a stroke.
     least: f64,
-    /// Two strokes of the same length end the hole.
+    /// Whether the hole ends with two strokes of the same length.
     halved: bool,
 }
 
 impl Strokes {
-    /// Finds the next stroke. With an amount, strokes shrink by it while they stay as long as it is; then they are that
-    /// long while more than two of them are left, and the last two are halves of the rest.
+    /// Sets the length of the next stroke.
+    ///
+    /// With an amount, strokes decrease by the amount until they would be shorter than the amount. From then on each
+    /// stroke is as long as the amount. The last two strokes are each half of the rest.
     fn shorten(&mut self, rest: f64) {
         if self.less < 0.0 {
             self.length *= self.less.abs();
@@ -118,7 +121,7 @@ impl Hole<'_> {
         self.alarm(61107, &format!("the hole needs more than {MOST_STROKES} strokes; make them longer"))
     }
 
-    /// Takes the modes of the cycle into account.
+    /// Applies the modes of the cycle.
     fn deep_modes(&mut self) -> Outcome<()> {
         if (MODES..=AMODE).all(|at| self.arguments.number(at) == 0.0) {
             return Ok(());
@@ -141,7 +144,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// The factor of the feed of the first stroke. One above 1 is a percentage, whatever the modes say.
+    /// Feed factor of the first stroke. A factor above 1 is a percentage, regardless of the modes.
     fn first_feed_factor(&self) -> f64 {
         let factor = self.arguments.number(FRF);
         let percent = factor > 1.0 || self.arguments.number(AMODE) >= 10_000_000.0;
@@ -149,7 +152,7 @@ impl Hole<'_> {
         if factor <= 0.0 { 1.0 } else { factor }
     }
 
-    /// The first stroke and how the others follow.
+    /// The first stroke and the rule for the following strokes.
     fn strokes(&mut self, reference: f64, sign: f64, total: f64) -> Outcome<Strokes> {
         let relative = self.arguments.number(FDPR);
         let length = if relative != 0.0 {
@@ -167,7 +170,7 @@ impl Hole<'_> {
         Ok(Strokes { length, less, least, halved: false })
     }
 
-    /// Distance before the depth that is reached already: to there the tool comes back at rapid.
+    /// Distance above the depth already reached at which the tool ends its rapid return.
     fn lead_before_depth(&self, total: f64) -> f64 {
         let (given, mode) = (self.arguments.number(DIS1), self.arguments.digit(AMODE, 6));
         let follows = mode == 1 || given == 0.0 && mode == 0;
@@ -179,12 +182,12 @@ impl Hole<'_> {
     }
 }
 
-/// Whether a number is at most another one, as the control compares numbers.
+/// Whether `value` is at most `most`, within the tolerance of the control.
 fn at_most(value: f64, most: f64) -> bool {
     value < most || same(value, most)
 }
 
-/// A value, or another one for 0.
+/// `value`, or `other` if it is 0.
 fn or_else(value: f64, other: f64) -> f64 {
     if value == 0.0 { other } else { value }
 }

@@ -1,7 +1,7 @@
 //! CYCLE84 and CYCLE840: tapping, rigid and with a compensating chuck.
 //!
-//! Facts: reference siemens-cycles.md 1; the leads of nominal sizes are the coarse ones of ISO 261. The sign of a size
-//! and of a lead is the hand of the thread.
+//! Facts: reference siemens-cycles.md 1; nominal sizes have the coarse leads of ISO 261. The sign of a size or a lead
+//! is the hand of the thread.
 
 use super::super::Outcome;
 use super::super::value::shown;
@@ -102,7 +102,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// A stroke at feed (G63), or one that follows the spindle (G33).
+    /// Adds a stroke at feed (G63), or a stroke that follows the spindle (G33).
     fn float(&mut self, by_feed: bool, level: f64, lead: f64) {
         if by_feed {
             return self.move_by(63.0, level);
@@ -113,7 +113,7 @@ impl Hole<'_> {
         self.end();
     }
 
-    /// A stroke of a rigid tap (G331) or its retract (G332).
+    /// Adds a stroke of rigid tapping (G331) or its retract (G332).
     fn tap(&mut self, code: f64, level: f64, lead: f64, speed: f64) {
         self.letter(b'G', code);
         self.along(level);
@@ -122,7 +122,7 @@ impl Hole<'_> {
         self.end();
     }
 
-    /// The word of the lead along the applicate: I, J or K.
+    /// Adds the word for the lead along the applicate: I, J or K.
     fn lead_word(&mut self, lead: f64) {
         let letter = match self.axes.letters {
             [_, _, b'Y'] => b'J',
@@ -141,8 +141,8 @@ impl Hole<'_> {
         Ok(())
     }
 
-    /// Lead of the arguments MPIT, PIT and _PITA: PIT, or the coarse lead of the nominal size MPIT. _PITA 2 is threads
-    /// per inch, 3 inch, 4 a module.
+    /// Lead from the arguments PIT, MPIT and _PITA: PIT, or the coarse lead of the nominal size MPIT. Unit of PIT by
+    /// _PITA: 2 = threads per inch, 3 = inches, 4 = module.
     fn lead(&mut self, at: [usize; 3]) -> Outcome<f64> {
         let [size, pitch, kind] = at.map(|at| self.arguments.number(at));
         if size == 0.0 && pitch == 0.0 {

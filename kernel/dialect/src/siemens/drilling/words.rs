@@ -1,18 +1,18 @@
-//! The blocks of a hole: their words.
+//! Words of the blocks of a hole.
 //!
-//! *Invariant:* a position is written with nine decimals, as every value that the control's language gives to a word.
+//! *Invariant:* positions are rounded to nine decimals, like every value that the control's language gives to a word.
 
 use super::super::system::plane;
 use super::Hole;
 use crate::host::{Host, MadeWord};
 
-/// Decimals of a word, as steps in one unit.
+/// Steps per unit in the value of a word.
 const STEPS: f64 = 1e9;
 
-/// A word of the machine: its register.
+/// Register of a word of the machine.
 type Register = Option<(counterpoint_machine::index::RegisterId, bool)>;
 
-/// Registers of the axes of the plane: abscissa, ordinate, and applicate, along which the cycle works.
+/// Registers of the abscissa, the ordinate and the applicate; the cycle drills along the applicate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HoleAxes {
     registers: [Register; 3],
@@ -21,7 +21,7 @@ pub(super) struct HoleAxes {
 }
 
 impl HoleAxes {
-    /// The axes of the plane in force.
+    /// The axes of the active plane.
     pub(super) fn of(host: &dyn Host) -> Self {
         Self::in_plane(host, plane(host))
     }
@@ -39,13 +39,13 @@ impl HoleAxes {
 }
 
 impl Hole<'_> {
-    /// A word of a letter.
+    /// Adds a word by its letter.
     pub(super) fn letter(&mut self, letter: u8, value: f64) {
         let register = self.host.register(letter);
         self.add(register, value);
     }
 
-    /// A word of a register with a name.
+    /// Adds a word by the name of its register.
     pub(super) fn named(&mut self, name: &str, value: f64) {
         let register = self.host.register_named(name);
         self.add(register, value);
@@ -57,13 +57,13 @@ impl Hole<'_> {
         self.blocks.push(MadeWord { register, incremental, value, written: None, span: (0, 0) });
     }
 
-    /// A word of an axis of the plane: 0 abscissa, 1 ordinate, 2 applicate.
+    /// Adds a word of an axis of the plane: 0 = abscissa, 1 = ordinate, 2 = applicate.
     pub(super) fn axis(&mut self, at: usize, value: f64) {
         let register = self.axes.registers.get(at).copied().flatten();
         self.add(register, value);
     }
 
-    /// A word of the applicate.
+    /// Adds a word of the applicate.
     pub(super) fn along(&mut self, level: f64) {
         self.axis(2, level);
     }
@@ -73,42 +73,42 @@ impl Hole<'_> {
         self.blocks.end();
     }
 
-    /// G90 G0 to a level.
+    /// Moves to an absolute level at rapid (G90 G0).
     pub(super) fn rapid_absolute(&mut self, level: f64) {
         self.letter(b'G', 90.0);
         self.rapid(level);
     }
 
-    /// G0 to a level.
+    /// Moves to a level at rapid (G0).
     pub(super) fn rapid(&mut self, level: f64) {
         self.move_by(0.0, level);
     }
 
-    /// G1 to a level.
+    /// Moves to a level at feed (G1).
     pub(super) fn feed(&mut self, level: f64) {
         self.move_by(1.0, level);
     }
 
-    /// To a level by a G function.
+    /// Moves to a level with a G function.
     pub(super) fn move_by(&mut self, code: f64, level: f64) {
         self.letter(b'G', code);
         self.along(level);
         self.end();
     }
 
-    /// F alone.
+    /// Sets the feed in a block of its own.
     pub(super) fn set_feed(&mut self, feed: f64) {
         self.letter(b'F', feed);
         self.end();
     }
 
-    /// M alone.
+    /// Executes an M function in a block of its own.
     pub(super) fn function(&mut self, number: f64) {
         self.letter(b'M', number);
         self.end();
     }
 
-    /// An oriented stop of the master spindle.
+    /// Stops the master spindle at an angle.
     pub(super) fn orient_spindle(&mut self, angle: f64) {
         self.siemens.held.spindle = Some(angle);
         self.letter(b'M', 19.0);
@@ -116,7 +116,7 @@ impl Hole<'_> {
         self.end();
     }
 
-    /// Dwells for a time in seconds, or for revolutions of the spindle below zero; not at all at 0.
+    /// Dwells for a time in seconds, or for revolutions of the spindle if it is negative; 0 adds no block.
     pub(super) fn dwell(&mut self, time: f64) {
         if time == 0.0 {
             return;
