@@ -1,6 +1,6 @@
-//! Limits of a run besides those of its program: running time, the deadline of its job, bytes.
+//! Limits of a run that the server enforces: running time, the deadline of its job, bytes.
 //!
-//! Invariant: time in which the run is suspended counts for the deadline and not for the running time.
+//! *Invariant:* suspended time counts for the deadline and not for the running time.
 
 use std::time::{Duration, Instant};
 
@@ -9,34 +9,34 @@ use crate::ledger::record::Reached;
 /// The limit that has stopped a run, and its effect.
 pub(crate) type Stopped = (Reached, String);
 
-/// Reasons to stop a run besides its program and the client.
+/// Limits of a run, and the limit that was reached.
 #[derive(Debug, Default)]
 pub(super) struct RunLimits {
-    /// Most running time.
+    /// Maximum running time.
     wall: Option<Duration>,
-    /// Running time until the run was last suspended.
+    /// Running time up to the last suspension.
     ran: Duration,
-    /// Since when it runs; none while it is suspended, or before it begins.
+    /// Start of the current running time; none while the run is suspended, or before it begins.
     since: Option<Instant>,
     suspended: bool,
     /// Time and reason of a planned stop.
     deadline: Option<(Instant, Stopped)>,
     pub(super) bytes: Option<u64>,
-    /// Bytes that the run may hold besides the values of macros, from its preparation on.
+    /// Bytes that the run may hold in addition to the values of macros; known once the run is prepared.
     pub(super) held: Option<u64>,
     /// The limit that was reached.
     pub(super) reached: Option<Stopped>,
 }
 
 impl RunLimits {
-    /// Sets the limits of a run that begins now. It may be suspended by then.
+    /// Sets the limits of a run that begins now. The run may already be suspended.
     pub(super) fn begin(&mut self, now: Instant, wall: Duration, deadline: Option<(Duration, Stopped)>, bytes: u64) {
         let deadline = deadline.and_then(|(left, stopped)| Some((now.checked_add(left)?, stopped)));
         let (suspended, since) = (self.suspended, (!self.suspended).then_some(now));
         *self = Self { wall: Some(wall), since, suspended, deadline, bytes: Some(bytes), ..Self::default() };
     }
 
-    /// The run stops for others.
+    /// Stops the running time.
     pub(super) fn suspend(&mut self, now: Instant) {
         self.suspended = true;
         if let Some(since) = self.since.take() {
@@ -44,7 +44,7 @@ impl RunLimits {
         }
     }
 
-    /// The run continues.
+    /// Continues the running time.
     pub(super) fn resume(&mut self, now: Instant) {
         self.suspended = false;
         if self.wall.is_some() {
@@ -52,7 +52,7 @@ impl RunLimits {
         }
     }
 
-    /// The limit of time that is over, of two the first.
+    /// The time limit that has been reached; if both have, the earlier one.
     pub(super) fn over(&self, now: Instant) -> Option<Stopped> {
         let running = self.since.map_or(Duration::ZERO, |since| now.saturating_duration_since(since));
         let wall = self.wall.and_then(|wall| {
@@ -122,7 +122,7 @@ mod tests {
         assert_eq!(over(&limits, begin + ms(3000)), None);
         limits.resume(begin + ms(3000));
         assert_eq!(over(&limits, begin + ms(4000)), Some(Reached::WallMs));
-        // The next run of the job has all the time again.
+        // The next run of the job has the full running time again.
         limits.begin(begin + ms(4000), ms(1000), None, 1);
         assert_eq!(over(&limits, begin + ms(4500)), None);
     }

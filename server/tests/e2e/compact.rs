@@ -21,7 +21,8 @@ async fn compact(server: &Server) -> Result<v1::CompactLedgerResponse, Status> {
     admin.compact_ledger(v1::CompactLedgerRequest {}).await.map(tonic::Response::into_inner)
 }
 
-/// Runs jobs whose logs are rows, and deletes all but five; returns the ids of these, and the file of the ledger before.
+/// Runs jobs with logs in the ledger, and deletes all but five. Returns the ids of these five, and the metadata of the
+/// ledger file before the deletion.
 async fn used(server: &Server, folder: &Path, jobs: usize) -> (Vec<String>, Metadata) {
     let mut all = Vec::new();
     for number in 0..jobs {
@@ -38,7 +39,7 @@ async fn used(server: &Server, folder: &Path, jobs: usize) -> (Vec<String>, Meta
     (kept, full)
 }
 
-/// Every job is there with its events, and the folder has no damage.
+/// Checks that every job exists with its events, and that the folder has no damage.
 async fn has_all(folder: &Path, jobs: &[String]) {
     let damages = doctor::examine(folder, false).unwrap();
     assert!(damages.is_empty(), "{damages:?}");
@@ -62,7 +63,7 @@ async fn a_compacted_ledger_is_smaller_and_has_every_job() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(options(folder.path())).await;
     let (mut kept, _) = used(&server, folder.path(), 400).await;
-    // A run, a watch, and submits go on meanwhile.
+    // A run, a watch and submits continue during the compaction.
     let running = server.submit("running", "EVENTS 200\nHANG").await;
     let mut watch = server.watch(&running, 0, v1::WatchLevel::Everything).await;
     let request = server.request("r", "EVENTS 200").await;
@@ -104,7 +105,7 @@ async fn a_ledger_with_much_free_space_is_compacted_by_itself() {
     let (kept, full) = used(&server, folder.path(), 400).await;
     for _ in 0..2000 {
         let now = folder.path().join("ledger.redb").metadata().unwrap();
-        // A file with another number was written anew.
+        // A different inode means that the file has been rewritten.
         if now.ino() != full.ino() && now.len() < full.len() / 2 {
             server.stop().await;
             return has_all(folder.path(), &kept).await;
@@ -118,13 +119,13 @@ async fn a_ledger_with_much_free_space_is_compacted_by_itself() {
 #[derive(Debug)]
 enum Trouble {
     None,
-    /// The folder is copied before each step: that is what a server leaves that is killed there.
+    /// The folder is copied before each step, as a server killed at this step would leave it.
     Killed {
         from: PathBuf,
         to: PathBuf,
         copies: usize,
     },
-    /// The disk has little space.
+    /// The disk has too little space for a copy.
     Full,
     /// This step fails.
     Fails {
@@ -201,7 +202,7 @@ async fn an_error_at_any_step_of_a_compaction_loses_nothing() {
         let done = compact(&server).await;
         let trouble = std::mem::replace(&mut *troubles.0.lock().unwrap(), Trouble::None);
         let Trouble::Fails { met, .. } = trouble else { panic!("{trouble:?}") };
-        // The server writes again, perhaps after a pause.
+        // The server accepts submits again, perhaps after a pause.
         let id = format!("after-{step}");
         let job = loop {
             let request = v1::SubmitJobRequest { request_id: id.clone(), ..request.clone() };
@@ -230,7 +231,7 @@ async fn a_disk_without_room_for_a_copy_is_not_filled() {
     let (mut kept, _) = used(&server, folder.path(), 6).await;
     *troubles.0.lock().unwrap() = Trouble::Full;
     assert_eq!(reason(&compact(&server).await.unwrap_err()), "DISK_FULL");
-    // There is still room for jobs.
+    // The disk still has room for jobs.
     kept.push(server.submit("more", "EVENTS 200").await);
     server.wait(&kept[5]).await;
     *troubles.0.lock().unwrap() = Trouble::None;

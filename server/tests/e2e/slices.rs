@@ -1,4 +1,4 @@
-//! Runs of several tenants on one worker, on the real emulator: they take turns while they run.
+//! Runs of several tenants take turns on one worker, with the real emulator.
 
 use std::time::Duration;
 
@@ -12,13 +12,13 @@ use tonic::transport::Channel;
 use crate::guarded::*;
 use crate::share::server_until;
 
-/// Moves whose end no limit brings; a pass without events takes most of the time.
+/// Moves in an endless loop; iterations without events take most of the time.
 const BLOCKS: &str = "O1\nN1 #1=0\nWHILE[#1LT100]DO1\n#1=#1+1\nEND1\nG1 X.001 F100.\nX0.\nGOTO 1\n";
 /// Tool changes, whose macro takes nearly all the time.
 const MACRO: &str = "O1\nN1 T3 M06\nT4 M06\nGOTO 1\n";
 const SPIN: &str = "DO/I=1,100000\nA=1\nENDOF/DO\n";
 const TINY: &str = "O1\nG21 G90 G94 F100\nG1 X1.\nM30\n";
-/// Time after which a test has failed.
+/// Timeout of a test.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A server with one worker that runs real jobs, and tenants.
@@ -54,12 +54,12 @@ fn limits() -> v1::JobLimits {
     }
 }
 
-/// Submits a job that ends by nothing but a limit of time.
+/// Submits a job that only a time limit ends.
 async fn endless(caller: &As, machine: &str, program: &str, limits: v1::JobLimits) -> String {
     caller.submit_limited("endless", machine, program, Some(limits)).await.unwrap().job_id
 }
 
-/// Puts the machine whose tool change takes long.
+/// Stores the machine whose tool change takes long.
 async fn put_spin(caller: &As) {
     let toml = "extends = \"fanuc-mill\"\n[ce]\nname = \"spin\"\n[macros]\ntool = \"t.mac\"\n";
     let mut files = Vec::new();
@@ -82,7 +82,7 @@ async fn ends(caller: &As, job: &str) -> v1::JobStatus {
     tokio::time::timeout(PATIENCE, ends).await.unwrap_or_else(|_| panic!("{job} has not ended"))
 }
 
-/// Waits until the first channel of a job has done more blocks than at the first look.
+/// Waits until the first channel of a job has executed more blocks than at the first look.
 async fn moves(caller: &As, job: &str) {
     let request = v1::WatchJobRequest { job_id: job.into(), heartbeat_ms: 100, ..Default::default() };
     let mut watch = caller.jobs().watch_job(request).await.unwrap().into_inner();
@@ -105,8 +105,8 @@ async fn cancel(caller: &As, job: &str) {
     assert_eq!(status.state(), v1::JobState::Cancelled, "{status:?}");
 }
 
-/// One worker, three tenants with endless work in blocks, in a macro, and in the preparation of long programs: the job
-/// of a fourth ends, and every run continues.
+/// Three tenants keep one worker busy with endless blocks, an endless macro, and the preparation of long programs. The
+/// job of a fourth tenant ends, and every run continues.
 #[tokio::test(flavor = "multi_thread")]
 async fn the_job_of_a_tenant_ends_beside_endless_runs_of_others_on_one_worker() {
     let folder = tempfile::tempdir().unwrap();
@@ -131,14 +131,14 @@ async fn the_job_of_a_tenant_ends_beside_endless_runs_of_others_on_one_worker() 
     moves(&blocks, &first).await;
     let status = ends(&long, &third).await;
     assert_eq!(status.state(), v1::JobState::Succeeded, "{status:?}");
-    // Of the two one is suspended at any time.
+    // One of the two runs is suspended at any time.
     cancel(&macros, &second).await;
     moves(&blocks, &first).await;
     cancel(&blocks, &first).await;
     server.stop().await;
 }
 
-/// Suspended or not, a run can be paused, resumed and stopped with the server.
+/// A run can be paused, resumed and stopped with the server, whether suspended or not.
 #[tokio::test(flavor = "multi_thread")]
 async fn suspended_runs_are_paused_resumed_and_drained_like_others() {
     let folder = tempfile::tempdir().unwrap();
@@ -162,7 +162,7 @@ async fn suspended_runs_are_paused_resumed_and_drained_like_others() {
         moves(tenant, job).await;
     }
     server.stop().await;
-    // They were interrupted, so none has failed and all run again.
+    // The runs were interrupted, so no job has failed and all jobs run again.
     let service = service::build(options).await.unwrap();
     let handle = service.handle();
     let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
@@ -174,7 +174,7 @@ async fn suspended_runs_are_paused_resumed_and_drained_like_others() {
     Real { handle, task }.stop().await;
 }
 
-/// A run has all its time by the clock, however long it was suspended; its deadline does not wait.
+/// A run gets its full running time, however long it was suspended. Suspended time counts for its deadline.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_limit_of_time_counts_running_time_and_a_deadline_does_not() {
     const WALL_MS: u64 = 2000;
@@ -188,7 +188,7 @@ async fn a_limit_of_time_counts_running_time_and_a_deadline_does_not() {
     let job = endless(&limited, "fanuc-mill", BLOCKS, v1::JobLimits { wall_ms: WALL_MS, ..limits() }).await;
     let status = ends(&limited, &job).await;
     assert_eq!((status.state(), status.limit()), (v1::JobState::Failed, v1::JobLimit::WallMs), "{status:?}");
-    // Of three tenants each has a third of the worker.
+    // Each of three tenants has a third of the worker.
     let elapsed = status.ended_ms - status.started_ms;
     assert!(elapsed >= 3 * WALL_MS as i64 / 2, "{elapsed} ms: suspended time has counted");
     let digest = limited.upload(BLOCKS.as_bytes()).await.unwrap();

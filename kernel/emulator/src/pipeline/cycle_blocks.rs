@@ -1,8 +1,8 @@
-//! Cycles of a control whose blocks its interpreter makes at once.
+//! Control cycles whose blocks the interpreter generates all at once.
 //!
-//! Facts: reference control-emulator.md 5.7, 6.4. The block that calls such a cycle stands for all of its blocks: events
-//! and messages name it, and stepping goes over the cycle.
-//! *Invariant:* every block is executed as if the program had it: limits, macros of codes and times are the usual ones.
+//! Facts: reference control-emulator.md 5.7, 6.4. The calling block represents all blocks of the cycle: events and
+//! messages name the calling block, and a step executes the whole cycle.
+//! *Invariant:* every block is executed like a block of the program, with the same limits, code macros and times.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_program::shape::Range;
 
 impl Kernel<'_> {
-    /// Executes a resident program that is a cycle of the control; false if it is an ordinary program.
+    /// Executes a resident program that is a cycle of the control; false if the program is ordinary.
     pub(crate) fn cycle_at_once(
         &mut self,
         (file, range): (FileId, Range),
@@ -70,7 +70,7 @@ impl Kernel<'_> {
         self.flow.pass.changes = true;
     }
 
-    /// Executes a block of a cycle. Its words stand for the whole block of the program that calls.
+    /// Executes a block of a cycle. The span of each word is the whole calling block.
     fn cycle_block(&mut self, words: &[CycleWord]) -> Acted {
         self.keep_pace();
         self.count_as_block()?;

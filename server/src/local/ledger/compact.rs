@@ -1,9 +1,9 @@
-//! A smaller file for the ledger, while the server runs.
+//! Compaction of the ledger file while the server runs.
 //!
-//! The writer copies its last state into a new file in `tmp`, gives that file the name of the ledger and opens it.
-//! Submits wait meanwhile; readers keep the file that they began with. *Invariant:* the file under the name of the
-//! ledger always has every answered operation, so a server that dies at any point starts with the old file or the new
-//! one, and each has the same rows.
+//! The writer copies its last state into a new file in `tmp`, renames that file to the ledger and opens it. Submits
+//! wait meanwhile; open readers keep the old file. *Invariant:* the file with the name of the ledger always contains
+//! every answered operation. A server that dies at any point starts with the old or the new file, which have the same
+//! rows.
 
 use std::io;
 use std::time::Instant;
@@ -21,7 +21,7 @@ use crate::local::named::Named as _;
 use crate::local::store::Store;
 use crate::reason::Refusal;
 
-/// Bytes of the pages that a table uses; none if there is no such table.
+/// Bytes of the pages that a table uses; 0 if the table does not exist.
 fn used<K: Key + 'static, V: Value + 'static>(
     txn: &ReadTransaction,
     table: TableDefinition<'_, K, V>,
@@ -34,7 +34,7 @@ fn used<K: Key + 'static, V: Value + 'static>(
     Ok(stats.stored_bytes() + stats.metadata_bytes() + stats.fragmented_bytes())
 }
 
-/// Bytes that the rows need, with their pages.
+/// Bytes that the rows of all tables need, including page overhead.
 pub(super) fn used_bytes(txn: &ReadTransaction) -> Result<u64, Refusal> {
     Ok(used(txn, schema::META)?
         + used(txn, JOB)?
@@ -49,11 +49,11 @@ pub(super) fn used_bytes(txn: &ReadTransaction) -> Result<u64, Refusal> {
         + used(txn, machine_bytes::MACHINE_BYTES)?)
 }
 
-/// Makes the file smaller, on the thread of the writer. The ledger may not be writable afterwards: the new file has its
-/// name then and could not be opened.
+/// Compacts the file on the writer thread. If the new file cannot be opened after the rename, the ledger is no longer
+/// writable.
 ///
 /// # Errors
-/// The copy cannot be made: nothing has changed.
+/// The copy cannot be made; the ledger is unchanged.
 pub(super) fn compact(shared: &Shared, store: &Store) -> Result<Compacted, Refusal> {
     let Place::File(path, disk) = &shared.place else { return Ok(Compacted::default()) };
     let begin = Instant::now();
@@ -73,20 +73,20 @@ pub(super) fn compact(shared: &Shared, store: &Store) -> Result<Compacted, Refus
         let _ = std::fs::remove_file(&copy);
         return Err(error);
     }
-    // Readers that have begun keep the old file until they are done.
+    // Open readers keep the old file until they finish.
     drop(database);
     shared.reopen();
     Ok(Compacted { before, after: path.metadata().at(path)?.len(), time: begin.elapsed() })
 }
 
 impl Compacted {
-    /// Whether so many free bytes are worth a copy: they are half of the file, too.
+    /// Whether a copy is worthwhile: at least `least_free` bytes and half of the file are free.
     pub(crate) fn worthwhile(file: u64, used: u64, least_free: u64) -> bool {
         let free = file.saturating_sub(used);
         least_free > 0 && free >= least_free && free >= file / 2
     }
 
-    /// Bytes that the file has lost.
+    /// Bytes by which the file has shrunk.
     pub(crate) fn reclaimed(&self) -> u64 {
         self.before.saturating_sub(self.after)
     }

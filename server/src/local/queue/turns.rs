@@ -1,10 +1,11 @@
-//! Turns of tenants: whose run uses a slot, and whose job starts next.
+//! Turns of tenants: which runs use the slots, and which job starts next.
 //!
-//! Each tenant has an account of the worker time that it has used; the tenant with the least is next. If no slot is
-//! free, the tenant that has used the most gives one: its run that started last is suspended, once it has had a slice.
-//! A run that stands uses no slot; it is not suspended, and delays only jobs of its own tenant. Invariants: a tenant
-//! alone loses no slot; of the runs of a tenant the one that started first continues, and the tenant starts no job
-//! while it has a suspended run; a tenant that comes has used no less than the others.
+//! Each tenant has an account of its used worker time; the tenant with the least is next. If no slot is free, the
+//! tenant that has used the most gives a slot: its run that started last is suspended, once the run has had a slice.
+//! An idle run (`stands`) uses no slot; it is not suspended, and delays only jobs of its own tenant.
+//!
+//! *Invariants:* a tenant without competitors loses no slot; of the suspended runs of a tenant, the run that started
+//! first continues; a tenant with a suspended run starts no job; a new tenant starts with at least the lowest account.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -13,9 +14,9 @@ use std::time::{Duration, Instant};
 use super::LocalQueue;
 use crate::queue::Look;
 
-/// Time that a run has a slot in any case. The server looks at it at every tick, submit and end.
+/// Time for which a run keeps its slot when other tenants wait. Checked at every tick, submit and end.
 const SLICE: Duration = Duration::from_millis(25);
-/// Most that an account can be ahead of the lowest: so long a tenant may have to wait for one that comes.
+/// Limit by which an account can exceed the lowest account. A tenant waits at most this time for a new tenant.
 const MOST_AHEAD: Duration = Duration::from_millis(500);
 
 /// A job on a worker.
@@ -23,14 +24,14 @@ const MOST_AHEAD: Duration = Duration::from_millis(500);
 pub(super) struct Run {
     pub(super) id: String,
     pub(super) tenant: Arc<str>,
-    /// The number of its start.
+    /// Sequence number of the start.
     start: u64,
-    /// When its time was last charged.
+    /// Time of the last charge.
     charged: Instant,
-    /// Time that it has had a slot since it started or was resumed.
+    /// Time with a slot since the run started or was resumed.
     slice: Duration,
     pub(super) suspended: bool,
-    /// It used no processor time at the last look.
+    /// Whether the run used no processor time at the last look.
     stands: bool,
 }
 
@@ -39,31 +40,31 @@ impl Run {
         Self { id, tenant, start, charged: now, slice: Duration::ZERO, suspended: false, stands: false }
     }
 
-    /// Whether it uses a slot.
+    /// Whether the run uses a slot.
     fn works(&self) -> bool {
         !self.suspended && !self.stands
     }
 
-    /// Time with a slot that is not charged yet.
+    /// Time with a slot that has not been charged yet.
     pub(super) fn uncharged(&self, now: Instant) -> Duration {
         if self.works() { now.saturating_duration_since(self.charged) } else { Duration::ZERO }
     }
 }
 
-/// Rank of a tenant for its next slot, the lowest first: the time that it has used, with a slice for each slot that it
-/// has; then the number of its last turn, and that of its arrival.
+/// Rank of a tenant for its next slot, lowest first: its used time plus a slice for each of its slots; then the numbers
+/// of its last turn and of its arrival.
 type Rank = (Duration, u64, u64);
 
 /// Work that can get a slot.
 enum Next {
     /// The first job of a tenant starts.
     Start(Arc<str>),
-    /// The run in this place is resumed.
+    /// The run at this index is resumed.
     Resume(usize),
 }
 
 impl LocalQueue {
-    /// The number of a turn that a tenant has now.
+    /// Gives a tenant its turn; returns the number of the turn.
     pub(super) fn turn_of(&mut self, tenant: &Arc<str>) -> u64 {
         self.last_number += 1;
         let turn = self.last_number;
@@ -71,7 +72,7 @@ impl LocalQueue {
         turn
     }
 
-    /// Charges the time since the last look, and brings the accounts closer together.
+    /// Charges the time since the last look, and limits the difference between the accounts.
     pub(super) fn charge(&mut self, look: &Look<'_>) {
         for run in &mut self.running {
             run.stands = (look.stands)(&run.id);
@@ -95,7 +96,7 @@ impl LocalQueue {
         self.lines.retain(|_, line| !line.is_unneeded(floor));
     }
 
-    /// Tenants with a job that may start now, as far as their own runs are concerned.
+    /// Tenants with a job whose start their own runs do not prevent.
     fn ready(&self, look: &Look<'_>) -> HashSet<Arc<str>> {
         let due = self.again.iter().filter(|(at, _, _)| *at <= look.now).map(|(_, _, tenant)| tenant);
         let waiting = self.lines.iter().filter(|(_, line)| line.len() > 0).map(|(tenant, _)| tenant);
@@ -103,13 +104,13 @@ impl LocalQueue {
         tenants.into_iter().filter(|tenant| self.may_start(tenant, look.slots)).cloned().collect()
     }
 
-    /// Gives free slots away, and slots of tenants that have used the most to those that have used the least. Returns
-    /// the job that starts, if there is one.
+    /// Assigns free slots, and moves slots from the tenants that have used the most to those that have used the least.
+    /// Returns the job that starts, if any.
     pub(super) fn divide(&mut self, look: &Look<'_>) -> Option<String> {
         loop {
             let working = self.running.iter().filter(|run| run.works()).count();
             if working > look.slots {
-                // A run that stood works again.
+                // An idle run has become active again.
                 let most = self.most(|_, _| true)?;
                 self.suspend(most);
                 continue;
@@ -134,7 +135,7 @@ impl LocalQueue {
         }
     }
 
-    /// The work whose turn it is, with the rank of its tenant.
+    /// The next work, with the rank of its tenant.
     fn next_work(&self, look: &Look<'_>) -> Option<(Rank, Next)> {
         let room = look.starts && (self.running.len() < look.slots.saturating_mul(2) || look.room);
         let ready = if room { self.ready(look) } else { HashSet::new() };
@@ -146,13 +147,13 @@ impl LocalQueue {
         start.into_iter().chain(resume).min_by_key(|(rank, _)| *rank)
     }
 
-    /// Whether a tenant may start another job, as far as its own runs are concerned.
+    /// Whether the runs of a tenant permit the start of another job.
     fn may_start(&self, tenant: &Arc<str>, slots: usize) -> bool {
         let mut own = self.running.iter().filter(|run| run.tenant == *tenant);
         own.clone().count() < slots && self.may_run(tenant) && !own.any(|run| run.suspended)
     }
 
-    /// The rank of a tenant, without so many of its slots.
+    /// The rank of a tenant, counted without `without` of its slots.
     fn rank(&self, tenant: &Arc<str>, without: u32) -> Option<Rank> {
         let line = self.lines.get(tenant)?;
         let slots = self.running.iter().filter(|run| run.tenant == *tenant && run.works()).count();
@@ -160,8 +161,8 @@ impl LocalQueue {
         Some((line.used + SLICE.saturating_mul(slots), line.turn, line.came))
     }
 
-    /// The run that gives its slot: of the tenant that has used the most, the one that started last. `gives` gets the
-    /// rank that its tenant has without this slot.
+    /// The run that gives its slot: the last started run of the tenant that has used the most. `gives` filters the
+    /// runs; its second argument is the rank of the tenant without this slot.
     fn most(&self, gives: impl Fn(&Run, Rank) -> bool) -> Option<usize> {
         let is_last = |run: &Run| {
             let mut own = self.running.iter().filter(|other| other.tenant == run.tenant && other.works());

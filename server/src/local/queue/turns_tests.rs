@@ -1,4 +1,4 @@
-//! Runs of several tenants on few slots, by a clock that only the test moves.
+//! Runs of several tenants on a few slots, with a clock that only the test advances.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ const fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
 }
 
-/// A server on which runs take their time, and end between two ticks like real ones.
+/// A simulated server. Its runs need worker time, and end between two ticks like real runs.
 struct World {
     queue: LocalQueue,
     slots: usize,
@@ -22,12 +22,12 @@ struct World {
     begin: Instant,
     now: Instant,
     tick: Instant,
-    /// Jobs that wait or run, with the time that they still need.
+    /// Remaining time of the jobs that wait or run.
     needs: BTreeMap<String, Duration>,
     /// Runs in the order of their starts.
     started: Vec<String>,
     stand: BTreeSet<String>,
-    /// Time with a slot, and end since the beginning.
+    /// Time with a slot, and time of the end, by job.
     used: BTreeMap<String, Duration>,
     ended: BTreeMap<String, Duration>,
     suspensions: usize,
@@ -76,7 +76,7 @@ impl World {
         runs.map(|run| run.id.clone()).collect()
     }
 
-    /// Lets this time pass.
+    /// Advances the clock, and ends runs that have used their time.
     fn pass(&mut self, time: Duration) {
         let until = self.now + time;
         while self.now < until {
@@ -118,9 +118,9 @@ fn a_late_tenant_has_its_share_beside_endless_runs_of_eight() {
     world.submit("z", ms(40));
     let late = world.now - world.begin;
     world.pass(ms(1000));
-    // The slice under way, and its own time.
+    // Bound: the current slice, and the time of the job itself.
     assert!(world.ended["z"] - late <= ms(75 + 40), "{:?}", world.ended["z"] - late);
-    // One whose job needs several slices has a ninth of the time.
+    // A tenant whose job needs several slices gets a ninth of the time.
     world.submit("y", ENDLESS);
     world.pass(Duration::from_secs(9));
     assert!((ms(900)..=ms(1100)).contains(&world.used("y")), "{:?}", world.used("y"));
@@ -176,7 +176,7 @@ fn short_jobs_of_one_tenant_have_half_the_time_beside_an_endless_run() {
     assert!(used.iter().all(|used| (ms(1850)..=ms(2150)).contains(used)), "{used:?}");
 }
 
-/// Each job comes when the one before has ended: an account that began anew with each would always be first.
+/// Each job arrives after the previous job has ended. An account that restarted with each job would always be first.
 #[test]
 fn a_tenant_whose_jobs_come_one_by_one_has_no_more_than_its_share() {
     let mut world = World::new(1);
@@ -259,7 +259,7 @@ fn a_run_that_stands_uses_no_slot_and_no_time_and_holds_up_its_tenant_only() {
     world.pass(Duration::from_secs(5));
     assert_eq!(world.started, ["a1", "b"]);
     assert_eq!((world.suspensions, world.working()), (0, vec!["b".to_owned()]));
-    // It works again: both share the slot.
+    // The run is active again: both tenants share the slot.
     world.stand.clear();
     let before = world.used("b");
     world.pass(Duration::from_secs(10));
