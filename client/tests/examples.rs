@@ -1,5 +1,5 @@
-//! The examples of clients in Go, for Node and for browsers, each against a server. An example whose tools or packages
-//! are absent is skipped with a message.
+//! Runs the example clients in Go, for Node and for browsers against a server. An example whose tools or packages are
+//! absent is skipped with a message.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
@@ -22,7 +22,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Whether a step of the preparation succeeds; otherwise says why the test is skipped.
+/// Whether a preparation step succeeds; otherwise prints the reason for the skip.
 fn prepared(step: &mut Command) -> bool {
     match step.output() {
         Ok(output) if output.status.success() => true,
@@ -47,7 +47,7 @@ fn serve(runtime: &tokio::runtime::Runtime, data: &Path) -> String {
     address
 }
 
-/// An address where no server answers: nothing listens there.
+/// An address without a listener.
 fn silent() -> String {
     std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string()
 }
@@ -56,7 +56,8 @@ fn text(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
 
-/// Runs a client: a job with two channels, one with a dialog, a wrong address, a wrong machine. `dash` begins options.
+/// Runs a client with a job of two channels, a job with a dialog, a wrong address and a wrong machine. `dash` is the
+/// prefix of options.
 fn check(command: &dyn Fn() -> Command, dash: &str, folder: &Path) {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
     let address = serve(&runtime, &folder.join("data"));
@@ -92,7 +93,7 @@ fn check(command: &dyn Fn() -> Command, dash: &str, folder: &Path) {
     assert!(text(&output).contains("no machine 'fanuc-mil'"), "{}", text(&output));
 }
 
-/// `GOFLAGS` may name a module file with copies of the modules on this computer.
+/// `GOFLAGS` may name a module file with local copies of the modules.
 #[test]
 fn the_example_in_go_runs() {
     let folder = tempfile::tempdir().unwrap();
@@ -124,7 +125,7 @@ fn the_example_in_go_runs() {
     check(&|| Command::new(&program), "-", folder.path());
 }
 
-/// A folder with the packages of an example: its own or that of `COUNTERPOINT_NODE_MODULES`; none = skipped.
+/// The folder with the packages of an example: its own or `COUNTERPOINT_NODE_MODULES`. None = the test is skipped.
 fn packages(example: &str, needed: &[&str]) -> Option<PathBuf> {
     let of_example = repository().join("examples").join(example).join("node_modules");
     let modules = std::env::var_os("COUNTERPOINT_NODE_MODULES").map_or(of_example, PathBuf::from);
@@ -135,7 +136,7 @@ fn packages(example: &str, needed: &[&str]) -> Option<PathBuf> {
     prepared(Command::new("node").arg("--version")).then_some(modules)
 }
 
-/// A copy of an example beside its packages.
+/// Copies an example and links its packages.
 #[cfg(unix)]
 fn beside(modules: &Path, example: &str, folder: &Path) -> PathBuf {
     let source = folder.join(example);

@@ -1,5 +1,5 @@
-//! The drilling cycles that a control makes itself, against their form as NC programs: a hole has the same moves,
-//! dwells, spindle commands and alarms. The programs are in `fixtures/siemens-drilling` and
+//! Compares the drilling cycles that a control generates itself with the same cycles as NC programs. Both must have the
+//! same moves, dwells, spindle commands and alarms. The programs are in `fixtures/siemens-drilling` and
 //! `fixtures/heidenhain-drilling`; in the machine of a user they replace the cycles of the control.
 
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ use counterpoint_kernel::machine::{Machine, load, package};
 use counterpoint_kernel::options::{Options, TimeModel};
 use counterpoint_tests::{Work, machine};
 
-/// The cycles of a control as programs, and the programs that they call: where a machine has them, and their texts.
+/// Cycles of a control as programs, with the programs that they call: paths in the machine, and texts.
 macro_rules! programs {
     ($fixtures:literal, $folder:literal: $($name:literal),*) => {
         &[$((concat!($folder, "/", $name), include_str!(concat!("../fixtures/", $fixtures, "/", $name)))),*]
@@ -28,7 +28,7 @@ const SIEMENS: Programs = programs!("siemens-drilling", "siemens-common/resident
 const HEIDENHAIN: Programs = programs!("heidenhain-drilling", "heidenhain-milling/cycles":
     "200.h", "201.h", "203.h", "205.h", "206.h", "207.h", "240.h");
 
-/// A machine on which the programs are those of the user.
+/// A machine with the programs as files of the user.
 fn with_programs(name: &str, programs: Programs) -> Arc<Machine> {
     let mut own = Memory::default();
     for (path, text) in programs {
@@ -37,11 +37,11 @@ fn with_programs(name: &str, programs: Programs) -> Arc<Machine> {
     load(&package::Overlay::over_shipped(own), name).machine.expect("a machine").into()
 }
 
-/// Numbers of the alarms that a cycle sets, and the state of the job.
+/// State of the job, and numbers of the alarms that a cycle raises.
 type End = (State, Vec<String>);
 
-/// The events that a cycle must not change, and the end. Blocks, calls and returns differ: the cycle is a block of the
-/// program, and not a program of many blocks.
+/// Runs a program; returns the events that must be the same, and the end. Blocks, calls and returns differ: a generated
+/// cycle is one block of the program, not a program of many blocks.
 fn run(machine: &Arc<Machine>, text: &str) -> (Vec<(i64, Kind)>, End) {
     // The path stops where it has too many blocks without moves, of which a program has more.
     let options = Options { time: TimeModel::Simple, ..Options::default() };
@@ -57,12 +57,12 @@ fn run(machine: &Arc<Machine>, text: &str) -> (Vec<(i64, Kind)>, End) {
     (events.collect(), (done.summary.state, alarms.collect()))
 }
 
-/// An argument out of some spellings; an empty one is left out.
+/// A random spelling of an argument; an empty spelling omits the argument.
 fn one_of(random: &mut fastrand::Rng, spellings: &[&str]) -> String {
     random.choice(spellings).copied().unwrap_or_default().to_owned()
 }
 
-/// A number whose digits stay below those of `most`, or 0.
+/// A number whose digits do not exceed those of `most`, or no text.
 fn modes(random: &mut fastrand::Rng, most: &str) -> String {
     if random.bool() {
         return String::new();
@@ -70,7 +70,7 @@ fn modes(random: &mut fastrand::Rng, most: &str) -> String {
     most.bytes().map(|most| char::from(random.u8(b'0'..=most))).collect()
 }
 
-/// A call of a cycle with arguments that a program could have, most of them right.
+/// A call of a cycle with plausible arguments, most of them valid.
 fn call(random: &mut fastrand::Rng) -> String {
     const DWELL: &[&str] = &["", "0", "0.5", "-3"];
     let (name, further, most): (&str, Vec<&[&str]>, &str) = match random.u8(0..11) {
@@ -240,7 +240,7 @@ fn conversational(random: &mut fastrand::Rng) -> String {
     text
 }
 
-/// Compares programs until this many have succeeded and this many have not.
+/// Compares random programs until at least `counts` of them have succeeded and failed.
 fn compare(name: &str, programs: Programs, counts: [u32; 2], program: fn(&mut fastrand::Rng) -> String) {
     let (own, as_programs) = (machine(name, ""), with_programs(name, programs));
     let (mut ends, mut seed) = ([0; 2], 0);
@@ -249,7 +249,7 @@ fn compare(name: &str, programs: Programs, counts: [u32; 2], program: fn(&mut fa
         let text = program(&mut fastrand::Rng::with_seed(seed));
         let ((events, end), (expected, expected_end)) = (run(&own, &text), run(&as_programs, &text));
         assert_eq!(end, expected_end, "seed {seed}\n{text}");
-        // A cycle checks its arguments before it moves, and as a program some of them behind its first move.
+        // A generated cycle checks its arguments before the first move; a program checks some arguments after it.
         let succeeded = end.0 == State::Succeeded;
         if succeeded {
             for (event, expected) in events.iter().zip(&expected) {

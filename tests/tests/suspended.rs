@@ -1,6 +1,6 @@
-//! A job that is suspended and resumed gives the log of one that is not.
+//! Suspending and resuming a job does not change its log.
 //!
-//! The points of suspension are forced: shared operations of kernels, reads of files. Another thread resumes the job.
+//! The tests force suspension at shared operations of kernels and at reads of files. Another thread resumes the job.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,7 +13,7 @@ use counterpoint_kernel::job::{Job, Program, Spec};
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::{Work, machine};
 
-/// Suspends a job at its points, and resumes it from another thread.
+/// Suspends a job at each forced point, and resumes the job from another thread.
 struct Suspender {
     stop: Stop,
     suspended: Sender<()>,
@@ -38,7 +38,7 @@ impl Suspender {
     }
 }
 
-/// Resumes the job each time that it was suspended. Threads of the job may go to sleep before or after.
+/// Resumes the job after each suspension. Threads of the job may go to sleep before or after.
 fn resume_all(stop: &Stop, suspended: &Receiver<()>) {
     while suspended.recv().is_ok() {
         std::thread::yield_now();
@@ -81,7 +81,7 @@ fn a_job_that_is_suspended_at_its_shared_operations_has_the_same_log() {
     }
 }
 
-/// Files whose reads suspend the job.
+/// Files that suspend the job at each read.
 #[derive(Debug)]
 struct Suspending<'f, F>(&'f F, Stop);
 

@@ -1,4 +1,4 @@
-//! The packages of the programs: what is in them, and that they install, run, and leave the data of the server alone.
+//! The packages of the programs: their contents, installation and removal, which keeps the data of the server.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
@@ -32,7 +32,7 @@ fn programs() -> PathBuf {
     folder
 }
 
-/// The packages, made once for all tests beside the programs.
+/// The packages, built once for all tests in a folder beside the programs.
 fn packages() -> &'static [PathBuf] {
     static MADE: OnceLock<Vec<PathBuf>> = OnceLock::new();
     MADE.get_or_init(|| {
@@ -73,7 +73,7 @@ fn the_archive_has_programs_that_run_and_all_licences() {
     assert!(!licences.contains("\nprost-reflect 0."), "crates of tests only are not in the programs");
 }
 
-/// Installs the package over a copy of this system that is gone afterwards.
+/// Installs the package in a throwaway layer over this system.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_debian_package_installs_runs_and_keeps_the_data() {

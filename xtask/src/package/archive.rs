@@ -1,6 +1,6 @@
 //! Archives: tar with gzip, and the `ar` of Debian packages.
 //!
-//! *Invariant:* the same files give the same bytes: entries are sorted, belong to root and have one time.
+//! *Invariant:* the same files produce the same bytes: entries are sorted, belong to root and share one time.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
@@ -29,14 +29,14 @@ fn header(kind: EntryType, size: usize, mode: u32, time: u64) -> Header {
     header
 }
 
-/// Compresses a content, without its name and time.
+/// Compresses content; the header has no name and no time.
 pub(super) fn gzip(content: &[u8], level: u32) -> std::io::Result<Vec<u8>> {
     let mut out = GzEncoder::new(Vec::new(), Compression::new(level));
     out.write_all(content)?;
     out.finish()
 }
 
-/// The files and their folders below `root`, in one archive of this time and level of compression.
+/// An archive of the files and their folders below `root`, with a time and a compression level.
 pub(super) fn tar_gz(files: &Files, root: &str, (time, level): (u64, u32)) -> std::io::Result<Vec<u8>> {
     let mut tar = Builder::new(GzEncoder::new(Vec::new(), Compression::new(level)));
     let parents = |path: &str| Path::new(path).ancestors().skip(1).map(Path::to_path_buf).collect::<Vec<_>>();

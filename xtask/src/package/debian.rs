@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::archive::{self, File, Files};
 
-/// Names of processors in Debian.
+/// Debian's name of a processor.
 fn architecture(of_rust: &str) -> Result<&'static str, String> {
     match of_rust {
         "x86_64" => Ok("amd64"),
@@ -15,7 +15,7 @@ fn architecture(of_rust: &str) -> Result<&'static str, String> {
     }
 }
 
-/// The newest version of the C library whose symbols a program needs, from the names of versions in the program.
+/// The newest version of the C library that a program needs, from the version names in the program.
 fn libc(program: &[u8]) -> (u32, u32) {
     const MARK: &[u8] = b"GLIBC_2.";
     let places = program.windows(MARK.len()).enumerate().filter(|(_, window)| *window == MARK);

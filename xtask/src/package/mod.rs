@@ -1,8 +1,8 @@
 //! `cargo xtask package`: both programs with completions, man pages, the unit, a configuration and all licences, as a
 //! Debian package and as a `.tar.gz`.
 //!
-//! *Invariant:* every file of a package is made from the repository and from the two programs, which print their own man
-//! pages, completions and options; the same programs give the same packages, byte for byte.
+//! *Invariant:* every file of a package comes from the repository or from the two programs, which print their own man
+//! pages, completions and options. The same programs produce the same packages, byte for byte.
 
 mod archive;
 mod debian;
@@ -15,29 +15,29 @@ use archive::{File, Files};
 
 use crate::graph;
 
-/// Programs, formats and the place of packages.
+/// Input and output folders and formats of the packages.
 #[derive(Debug)]
 pub struct Plan {
     /// Folder with the programs `counterpoint` and `counterpointd`.
     pub programs: PathBuf,
     /// Folder for the packages.
     pub out: PathBuf,
-    /// Make the Debian package, too.
+    /// Whether to build the Debian package as well.
     pub debian: bool,
-    /// Level of the compression, 0 to 9.
+    /// Compression level, 0 to 9.
     pub level: u32,
 }
 
-/// Documents that both kinds of packages have.
+/// Documents in both kinds of packages.
 const DOCUMENTS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
-/// Name of a completion script below `usr/share`, by shell.
+/// Path of a completion script below `usr/share`, by shell.
 const COMPLETIONS: [(&str, &str); 3] = [
     ("bash", "bash-completion/completions/counterpoint"),
     ("zsh", "zsh/vendor-completions/_counterpoint"),
     ("fish", "fish/vendor_completions.d/counterpoint.fish"),
 ];
-/// Lines of the unit, and those of the unit in a package: a package has a user of its own, which owns the data folder
-/// also while the server is stopped.
+/// Lines of the unit, and their replacements in a package: a package has its own user, which owns the data folder even
+/// while the server is stopped.
 const UNIT: [(&str, &str); 2] = [
     ("/usr/local/bin/", "/usr/bin/"),
     ("DynamicUser=yes\n", "User=counterpoint\nGroup=counterpoint\nStateDirectoryMode=0700\n"),
@@ -47,7 +47,7 @@ fn read(path: &Path) -> Result<Vec<u8>, String> {
     std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// Output of a program that must succeed, without options from the environment.
+/// Runs a program that must succeed, without options from the environment; returns its output.
 fn printed(program: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
     let mut command = Command::new(program);
     for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("COUNTERPOINT_")) {
@@ -60,7 +60,7 @@ fn printed(program: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
     }
 }
 
-/// The unit for the paths and the user of a package.
+/// The unit with the paths and the user of a package.
 fn unit(text: &str) -> Result<String, String> {
     UNIT.iter().try_fold(text.to_owned(), |text, (from, to)| match text.contains(from) {
         true => Ok(text.replace(from, to)),
@@ -68,7 +68,7 @@ fn unit(text: &str) -> Result<String, String> {
     })
 }
 
-/// Time of the last commit, or of SOURCE_DATE_EPOCH, seconds since 1970.
+/// SOURCE_DATE_EPOCH, or else the time of the last commit, in seconds since 1970.
 fn time(root: &Path) -> u64 {
     let given = std::env::var("SOURCE_DATE_EPOCH").ok();
     let commit = || {
@@ -78,7 +78,7 @@ fn time(root: &Path) -> u64 {
     given.or_else(commit).and_then(|text| text.trim().parse().ok()).unwrap_or(1)
 }
 
-/// All files, as a Debian package places them.
+/// All files, at their paths in a Debian package.
 fn files(root: &Path, plan: &Plan) -> Result<Files, String> {
     let mut files = Files::new();
     let mut add = |path: &str, content: Vec<u8>, executable| {
@@ -111,7 +111,7 @@ fn files(root: &Path, plan: &Plan) -> Result<Files, String> {
     Ok(files)
 }
 
-/// Makes the packages; returns their paths.
+/// Builds the packages; returns their paths.
 ///
 /// # Errors
 /// A program cannot be run, a file cannot be read or written, or a crate names no licence.

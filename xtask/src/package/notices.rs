@@ -1,4 +1,4 @@
-//! The licences of everything that the programs contain, with the texts that their authors ship.
+//! The licences of all crates in the programs, with the texts that their authors ship.
 //!
 //! *Invariant:* every crate that is linked for the target has a licence here; equal texts are printed once.
 
@@ -8,10 +8,10 @@ use std::path::Path;
 
 use crate::graph::Linked;
 
-/// Beginnings of the names of files with licences, in capitals.
+/// Prefixes of the names of licence files, in capitals.
 const NAMES: [&str; 6] = ["LICENSE", "LICENCE", "COPYING", "COPYRIGHT", "NOTICE", "UNLICENSE"];
 
-/// Texts of the licences in a folder of a crate.
+/// Licence texts in the folder of a crate.
 fn texts(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut files: Vec<_> = entries
@@ -26,7 +26,7 @@ fn texts(folder: &Path) -> Vec<String> {
     files.iter().filter_map(text).map(|text| text.replace("\r\n", "\n").trim().to_owned()).collect()
 }
 
-/// The document.
+/// Writes the licence document for the linked crates.
 ///
 /// # Errors
 /// A crate names no licence.
