@@ -177,8 +177,7 @@ impl Hole<'_> {
         Ok(())
     }
 
-        /// 201: reaming.
-
+    /// 201: reaming.
     fn ream(&mut self) -> Result<(), Halt> {
         let back = self.feed_or_drilling(208);
         self.line(self.levels.depth, self.parameter(206));

@@ -16,8 +16,7 @@ use super::words::HoleAxes;
 pub(super) struct Levels {
     /// Start of machining: the safety distance before the reference plane.
     pub(super) start: f64,
-        /// Bottom of the hole.
-
+    /// Bottom of the hole.
     pub(super) bottom: f64,
     /// Drilling direction: -1 towards smaller values.
     pub(super) sign: f64,
