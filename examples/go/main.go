@@ -243,7 +243,7 @@ func (c *client) attend(job string, values settings) {
 		err = stream.Send(reply)
 	}
 	if !errors.Is(err, io.EOF) {
-		fmt.Fprintln(os.Stderr, "dialogs are not answered any more:", status.Convert(err).Message())
+		fmt.Fprintln(os.Stderr, "dialogs are no longer answered:", status.Convert(err).Message())
 	}
 }
 

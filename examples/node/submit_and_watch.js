@@ -114,7 +114,7 @@ async function watch(server, jobId) {
 /** Answers every dialog with its first button of type OK and the values of the command line. */
 function attend(server, jobId, values) {
   const stream = server.operator.Attend(metadata());
-  stream.on("error", (error) => console.error(`dialogs are not answered any more: ${error.details}`));
+  stream.on("error", (error) => console.error(`dialogs are no longer answered: ${error.details}`));
   stream.on("data", ({ content, question }) => {
     if (content !== "question") {
       return;

@@ -29,7 +29,7 @@ async function run() {
   const server = await connect(part("server").value, part("token").value);
   const job = await submit(server, part("machine").value, await Promise.all(files));
   print(`job ${job}`);
-  attend(server, job, ask).catch((error) => print(`dialogs are not answered any more: ${error.message}`));
+  attend(server, job, ask).catch((error) => print(`dialogs are no longer answered: ${error.message}`));
   const ended = await watch(server, job, {
     progress: (channels) =>
       (part("progress").textContent = channels.map((c) => `${c.name} ${c.percent.toFixed(0)} %`).join(", ")),

@@ -64,7 +64,7 @@ fn printed(program: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
 fn unit(text: &str) -> Result<String, String> {
     UNIT.iter().try_fold(text.to_owned(), |text, (from, to)| match text.contains(from) {
         true => Ok(text.replace(from, to)),
-        false => Err(format!("deploy/counterpointd.service has no '{}' any more", from.trim())),
+        false => Err(format!("deploy/counterpointd.service no longer contains '{}'", from.trim())),
     })
 }
 
