@@ -34,7 +34,7 @@ pub(crate) struct Ticket<'a> {
     pub(crate) priority: Priority,
 }
 
-/// The state of the server at a decision of the queue.
+/// State of the server when the queue decides.
 pub(crate) struct Look<'a> {
     /// Runs that may use a core at the same time.
     pub(crate) slots: usize,

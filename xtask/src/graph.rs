@@ -75,9 +75,9 @@ struct EdgeKind {
     kind: Option<String>,
 }
 
-/// What `cargo metadata` prints.
+/// Output of `cargo metadata`.
 fn metadata<T: serde::de::DeserializeOwned>(root: &Path, arguments: &[&str]) -> Result<T, String> {
-    // Under cargo that very cargo.
+    // `CARGO` names the cargo that runs this program.
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(["metadata", "--format-version", "1", "--locked"]).args(arguments).current_dir(root);
     let output = command.output().map_err(|error| format!("cargo metadata cannot be started: {error}"))?;

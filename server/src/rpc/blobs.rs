@@ -30,7 +30,7 @@ async fn next(chunks: &mut Streaming<v1::UploadRequest>, patience: u64) -> Resul
     chunk.map_err(|_| Refusal::UploadStalled(patience))?.transpose()
 }
 
-/// Begins to receive a content with its first chunk, within the quotas of its tenant. May block.
+/// Starts receiving content with its first chunk, within the quotas of the tenant. May block.
 fn begin(core: &Core, tenant: &str, first: &v1::UploadRequest) -> Result<(Box<dyn Receiver>, Growing), Refusal> {
     let blobs = core.blobs.of(tenant);
     core.room()?;

@@ -27,7 +27,7 @@ pub(crate) struct LedgerFile {
 
 impl LedgerFile {
     /// Opens the file or creates an empty one. Its content and its name are made durable first: a previous server, a
-    /// sync that failed, or a compaction may have left what a loss of power would undo.
+    /// failed sync, or a compaction may have left changes that a loss of power would undo.
     pub(crate) fn open(disk: &Disk, path: &Path) -> io::Result<Self> {
         disk.step(Step::Create, path).at(path)?;
         let file = File::options().read(true).write(true).create(true).truncate(false).open(path).at(path)?;

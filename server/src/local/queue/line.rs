@@ -34,13 +34,12 @@ pub(super) struct Line {
     pub(super) held: usize,
     /// Its jobs on workers.
     pub(super) running: usize,
-    /// Worker time that the tenant has used, on the account on which a tenant that comes has used as much as the one
-    /// that has used the least.
+    /// Account of the used worker time. A new tenant starts with the lowest account.
     pub(super) used: Duration,
     /// Number of the last turn that the tenant has had, 0 = none yet: of tenants that have used the same, the lowest is
     /// next.
     pub(super) turn: u64,
-    /// Number of its arrival.
+    /// Number of the arrival of the tenant.
     pub(super) came: u64,
 }
 
@@ -54,7 +53,7 @@ pub(super) fn class(priority: Priority) -> usize {
 }
 
 impl Line {
-    /// The line of a tenant that comes, with the number of its arrival.
+    /// The line of a new tenant, with its initial account and the number of its arrival.
     pub(super) fn new(used: Duration, came: u64) -> Self {
         Self { used, came, ..Self::default() }
     }

@@ -34,7 +34,7 @@ pub(crate) struct LocalQueue {
     most_running: usize,
     own_running: HashMap<String, usize>,
     running: Vec<Run>,
-    /// The account of a tenant that comes: no tenant that takes turns has used less.
+    /// Initial account of a new tenant: no tenant that takes turns has used less.
     floor: Duration,
     /// Number of the last turn or arrival.
     last_number: u64,
@@ -78,12 +78,12 @@ impl LocalQueue {
         most == 0 || self.lines.get(tenant).is_none_or(|line| line.running < most)
     }
 
-    /// The place in `again` of a job of a tenant whose time has come.
+    /// Index in `again` of a job of a tenant that is due.
     fn due(&self, tenant: &str, now: Instant) -> Option<usize> {
         self.again.iter().position(|(at, _, of)| *at <= now && **of == *tenant)
     }
 
-    /// Takes the job of a tenant that goes first.
+    /// Takes the first job of a tenant.
     fn first(&mut self, tenant: &Arc<str>, now: Instant) -> Option<String> {
         if let Some(due) = self.due(tenant, now) {
             return Some(self.again.remove(due).1);
