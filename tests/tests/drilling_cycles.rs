@@ -223,6 +223,9 @@ fn conversational(random: &mut fastrand::Rng) -> String {
         ];
         let _ = write!(text, "CYCL DEF {cycle}");
         for (number, spellings) in parameters {
+            if random.u8(0..60) == 0 {
+                continue;
+            }
             let _ = write!(text, " Q{number}={}", one_of(random, spellings));
         }
         text.push_str(&one_of(
@@ -233,6 +236,10 @@ fn conversational(random: &mut fastrand::Rng) -> String {
                 "\nCYCL CALL POS X+5 Y+5 Z+1 FMAX\nL X+7 F100\nCT X+9 Y+9\n",
                 "\nL X+1 R0 FMAX M89\nL X+2 Y+2\nL X+3 M99\nL Z+20\n",
                 "\nL X+4 Y+4 RL F200\nL X+8\nCYCL CALL\nL X+12 R0\n",
+                "\nL X+5 Y+5 RL F100\nL X+20 M99\nL Y+30\nDEP LT LEN10\n",
+                "\nL X+5 Y+5 RR F100\nL X+20\nCYCL CALL\nDEP LCT X+50 Y+5 R3\n",
+                "\nL X+20 Y+5 R0 F100 M99\nRND R1\nL Y+20\n",
+                "\nL X+20 Y+5 R0 F100 M99\nL Y+20\nCHF 1\nL X+1\n",
             ],
         ));
     }
@@ -281,6 +288,66 @@ fn an_alarm_of_a_cycle_names_the_cycle_and_the_block_that_calls() {
     let found = results.summary.diagnostics.iter().find(|found| found.text.contains("61101")).expect("the alarm");
     assert_eq!((found.line, found.block.as_str()), (5, "X5"), "{found:?}");
     assert!(found.text.contains("CYCLE81") && found.origin.is_none(), "{found:?}");
+}
+
+/// Diagnostics by name, with the state of the job.
+fn diagnostics(name: &str, text: &str) -> (State, Vec<(String, u32, String)>) {
+    let (results, ..) = Work::texts(machine(name, ""), &[text], Options::default()).results(None).expect("a job");
+    let found = results.summary.diagnostics.iter();
+    (results.summary.state, found.map(|found| (found.name.clone(), found.line, found.text.clone())).collect())
+}
+
+#[test]
+fn a_parameter_of_a_hole_without_a_value_is_a_warning_that_names_it() {
+    let text = "BEGIN PGM T MM\nTOOL CALL 1 Z S1000 F200\nL Z+50 R0 FMAX M3\nCYCL DEF 200 Q200=2 Q201=-5\nL X1 FMAX M99\n\
+                L Z+100 R0 FMAX M30\nEND PGM T MM\n";
+    let (_, found) = diagnostics("heidenhain-mill", text);
+    for parameter in ["Q202", "Q203", "Q204", "Q206", "Q211"] {
+        let is = |(name, line, text): &(String, u32, String)| {
+            name == "parameter-not-set" && *line == 5 && text.starts_with(&format!("{parameter} "))
+        };
+        assert!(found.iter().any(is), "{parameter}: {found:?}");
+    }
+}
+
+#[test]
+fn the_file_of_a_cycle_called_as_a_program_makes_the_hole() {
+    let text = "BEGIN PGM T MM\nTOOL CALL 1 Z S1000 F200\nL X+1 Y+1 Z+50 R0 FMAX M3\nCYCL DEF 201 Q200=2 Q201=-5 Q206=100 \
+                Q208=0 Q211=0 Q203=0 Q204=10\nCALL PGM 201.H\nL Z+100 R0 FMAX M30\nEND PGM T MM\n";
+    let (events, end) = run(&machine("heidenhain-mill", ""), text);
+    let (expected, expected_end) = run(&with_programs("heidenhain-mill", HEIDENHAIN), text);
+    assert_eq!((end, events), (expected_end, expected));
+}
+
+#[test]
+fn a_way_off_the_wall_along_an_axis_that_the_lathe_does_not_have_is_an_alarm() {
+    let text = |aside: &str| {
+        format!("G90 G17\nT1 D1\nG95 S1000 M3 F0.1\nG0 X0 Z50\nCYCLE86(10,0,2,-10,,,3,0,{aside},0,0)\nG0 Z60\nM30")
+    };
+    let (state, found) = diagnostics("siemens-lathe", &text("1"));
+    assert!(
+        state == State::Failed && found.iter().any(|(_, line, text)| *line == 5 && text.contains("12550")),
+        "{found:?}"
+    );
+    let (state, found) = diagnostics("siemens-lathe", &text("0"));
+    assert_eq!(state, State::Succeeded, "{found:?}");
+}
+
+#[test]
+fn a_corner_before_a_hole_never_moves_the_hole() {
+    for cycle in ["CYCLE81(10,0,2,-20)", "CYCLE83(10,0,2,-20,,-5,,1,,,,1)", "CYCLE85(10,0,2,-20)"] {
+        let text = format!("G90 G17\nT1 D1 M6\nS1000 M3 F100\nG0 X0 Y0 Z20\nG1 X10 Y0 Z20 RND=2\n{cycle}\nG1 Y20\nM30");
+        let (state, found) = diagnostics("siemens-mill", &text);
+        assert_eq!(state, State::Failed, "{cycle}: {found:?}");
+        let modal = text.replace("RND=", "RNDM=");
+        let (events, (state, _)) = run(&machine("siemens-mill", ""), &modal);
+        assert_eq!(state, State::Succeeded, "{cycle}");
+        let deep = |kind: &Kind| matches!(kind, Kind::Motion(motion) if motion.to[2] <= -20.0 && motion.from[2] > motion.to[2]);
+        for (_, kind) in events.iter().filter(|(_, kind)| deep(kind)) {
+            let Kind::Motion(motion) = kind else { continue };
+            assert_eq!((motion.to[0], motion.to[1]), (10.0, 0.0), "{cycle}: {motion:?}");
+        }
+    }
 }
 
 #[test]

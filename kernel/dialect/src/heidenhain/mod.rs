@@ -223,8 +223,13 @@ impl Interpreter for Heidenhain {
         }
     }
 
-    fn cycle(&mut self, host: &mut dyn Host, _: (FileId, Range), blocks: &mut MadeBlocks) -> Result<bool, Halt> {
-        self.hole(host, blocks)
+    fn cycle(
+        &mut self,
+        host: &mut dyn Host,
+        (file, _): (FileId, Range),
+        blocks: &mut MadeBlocks,
+    ) -> Result<bool, Halt> {
+        self.hole(host, file, blocks)
     }
 
     fn on_call(&mut self, _: &mut dyn Host) {

@@ -123,7 +123,7 @@ static READING: Actions = Actions {
 const BASE: Actions = Actions {
     of: find,
     flush_lookahead: |kernel| Act::new(kernel).next_element(None),
-    flush_old: |kernel| Act::new(kernel).flush_old(),
+    flush_due: |kernel, hole| Act::new(kernel).flush_due(hole),
     end_compensation: |kernel, halt| Act::new(kernel).end_compensation(halt),
     change_compensation: |kernel, change| match change {
         CompensationChange::Code => Act::new(kernel).switch_compensation(),

@@ -38,8 +38,8 @@ pub struct Actions {
     pub(crate) of: fn(CodeId) -> Option<&'static dyn Action>,
     /// Finishes a move that compensation keeps back, without knowing the next one.
     pub(crate) flush_lookahead: fn(&mut Kernel<'_>) -> Acted,
-    /// Finishes a move that compensation has kept back too long.
-    pub(crate) flush_old: fn(&mut Kernel<'_>) -> Acted,
+    /// Finishes a move that compensation has kept back too long, or, at a hole, one with a corner at its end.
+    pub(crate) flush_due: fn(&mut Kernel<'_>, bool) -> Acted,
     /// The program has ended, and compensation with it.
     pub(crate) end_compensation: fn(&mut Kernel<'_>, Halt) -> Halt,
     /// A macro has changed compensation.
@@ -72,9 +72,9 @@ impl Kernel<'_> {
         if self.channel.is_compensated() { (self.plan.actions.flush_lookahead)(self) } else { Ok(()) }
     }
 
-    /// Finishes a move that compensation has kept back too long.
+    /// Finishes a move that compensation has kept back too long, or, at a hole, one with a corner at its end.
     pub(crate) fn flush_old(&mut self) -> Acted {
-        if self.channel.is_compensated() { (self.plan.actions.flush_old)(self) } else { Ok(()) }
+        if self.channel.is_compensated() { (self.plan.actions.flush_due)(self, false) } else { Ok(()) }
     }
 
     /// The program has ended: the move that is kept back is made, unless the job has been stopped.

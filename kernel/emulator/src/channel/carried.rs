@@ -43,7 +43,7 @@ pub struct Carried {
     clock: i64,
     events: u64,
     /// All, and those of the user's programs.
-    blocks: (u64, u64),
+    blocks: [u64; 3],
     idle_blocks: u64,
     diagnostics: u32,
     raised: FxHashMap<u32, u32>,
@@ -62,7 +62,8 @@ impl Kernel<'_> {
         let events = self.ports.emitter.count();
         let Self { channel, ports: _, plan: _, flow, dialect, macros, components } = self;
         let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, held: _, pace: _ } = channel;
-        let At { channel, clock, micro: _, file: _, line: _, caller: _, blocks, user_blocks, idle_blocks } = at;
+        let At { channel, clock, micro: _, file: _, line: _, caller: _, blocks, user_blocks, made_blocks, idle_blocks } =
+            at;
         let BlockText { edited: _, tape } = text;
         let Reports {
             diagnostics,
@@ -79,7 +80,7 @@ impl Kernel<'_> {
             channel,
             clock,
             events,
-            blocks: (blocks, user_blocks),
+            blocks: [blocks, user_blocks, made_blocks],
             idle_blocks,
             diagnostics,
             raised,
@@ -95,7 +96,7 @@ impl Kernel<'_> {
 
     fn put_back(&mut self, carried: Carried) {
         let at = &mut self.channel.at;
-        ((at.blocks, at.user_blocks), at.idle_blocks) = (carried.blocks, carried.idle_blocks);
+        ([at.blocks, at.user_blocks, at.made_blocks], at.idle_blocks) = (carried.blocks, carried.idle_blocks);
         self.channel.reports.diagnostics = carried.diagnostics;
         self.channel.reports.raised = carried.raised;
         self.channel.burden = carried.burden;

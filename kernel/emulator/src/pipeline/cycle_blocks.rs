@@ -46,7 +46,7 @@ impl Kernel<'_> {
                 return Ok(false);
             }
             if pass == 0 {
-                self.cycle_begins(name);
+                self.cycle_begins(name)?;
             }
             blocks.iter().try_for_each(|words| self.cycle_block(words))?;
         }
@@ -61,18 +61,22 @@ impl Kernel<'_> {
         Ok(true)
     }
 
-    fn cycle_begins(&mut self, name: &Arc<str>) {
+    fn cycle_begins(&mut self, name: &Arc<str>) -> Acted {
         let level = self.flow.frames.len() as u16;
         self.emit_as(0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
         if self.ports.emitter.carries(name.len()) {
             self.flush();
         }
         self.flow.pass.changes = true;
+        // A hole is at the end of the move before it: no corner leads past it.
+        (self.plan.actions.flush_due)(self, true)
     }
 
     /// Executes a block of a cycle. The span of each word is the whole calling block.
     fn cycle_block(&mut self, words: &[CycleWord]) -> Acted {
         self.keep_pace();
+        self.channel.at.blocks += 1;
+        self.channel.at.made_blocks += 1;
         self.count_as_block()?;
         let span = (0, u32::try_from(self.current_text().len()).unwrap_or(u32::MAX));
         self.channel.block.clear();

@@ -191,7 +191,7 @@ impl Kernel<'_> {
         if self.channel.at.blocks.is_multiple_of(256) {
             self.now_and_then()?;
         }
-        let number = self.channel.at.blocks;
+        let number = self.channel.at.blocks - self.channel.at.made_blocks;
         self.emit_as(0, |kind| match kind {
             // Overwrites the old value; a kind of another shape is dropped first.
             Kind::Block(Block { number: place }) => *place = number,

@@ -90,6 +90,8 @@ pub struct At {
     pub(crate) blocks: u64,
     /// Blocks of the user's programs among them.
     pub(crate) user_blocks: u64,
+    /// Blocks among them that the control has made of a cycle; the block that calls it stands for them in events.
+    pub(crate) made_blocks: u64,
     /// Consecutive blocks without time.
     pub(crate) idle_blocks: u64,
 }

@@ -13,11 +13,14 @@ mod words;
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
+use super::eval::Evaluator;
 use super::flow;
 use super::formula::{Kind, Name};
+use super::path::Beside;
 use super::variables::Value;
 use crate::host::Host;
 use crate::interpreter::MadeBlocks;
+use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 pub(super) use words::HoleWords;
 
@@ -46,6 +49,19 @@ enum HoleCycle {
 }
 
 impl HoleCycle {
+    /// Parameters that it reads.
+    fn parameters(self) -> &'static [u32] {
+        match self {
+            Self::Drill => &[200, 201, 202, 203, 204, 206, 210, 211, 395],
+            Self::Ream => &[200, 201, 203, 204, 206, 208, 211],
+            Self::Universal => &[200, 201, 202, 203, 204, 205, 206, 208, 210, 211, 212, 213, 256, 395],
+            Self::Peck => &[200, 201, 202, 203, 204, 205, 206, 208, 211, 212, 253, 256, 257, 258, 259, 379, 395],
+            Self::FloatingTap => &[200, 201, 203, 204, 206, 211],
+            Self::RigidTap => &[200, 201, 203, 204, 239],
+            Self::Centre => &[200, 201, 203, 204, 206, 211, 343, 344],
+        }
+    }
+
     fn numbered(number: u32) -> Option<Self> {
         Some(match number {
             200 => Self::Drill,
@@ -83,11 +99,19 @@ struct Levels {
 
 impl Heidenhain {
     /// Generates the blocks of the drilling cycle that the block calls; false if the program is not such a cycle.
-    pub(super) fn hole(&mut self, host: &mut dyn Host, blocks: &mut MadeBlocks) -> Result<bool, Halt> {
-        let defined = &self.cycles.defined;
-        let number = defined.program.as_deref().filter(|_| defined.stored).and_then(|name| name.parse().ok());
-        let is_cycle = self.calling == Some(flow::Kind::Cycle);
-        let Some(cycle) = number.filter(|_| is_cycle).and_then(HoleCycle::numbered) else { return Ok(false) };
+    pub(super) fn hole(&mut self, host: &mut dyn Host, program: FileId, blocks: &mut MadeBlocks) -> Result<bool, Halt> {
+        let number = match self.calling {
+            Some(flow::Kind::Cycle) => {
+                let defined = &self.cycles.defined;
+                defined.program.as_deref().filter(|_| defined.stored).and_then(|name| name.parse().ok())
+            }
+            // A program calls the file of the cycle.
+            _ => host.source(program).and_then(|source| {
+                let name = source.name.rsplit('/').next()?;
+                name.split('.').next()?.parse().ok()
+            }),
+        };
+        let Some(cycle) = number.and_then(HoleCycle::numbered) else { return Ok(false) };
         self.calling = None;
         let made = self.hole_of(host, cycle, blocks);
         for (name, value) in std::mem::take(&mut self.cycles.running.changed) {
@@ -96,7 +120,36 @@ impl Heidenhain {
         made.map(|()| true)
     }
 
+    /// Gives parameters without a value the value of the machine, or 0 with a warning.
+    fn set_parameters(&mut self, host: &mut dyn Host, cycle: HoleCycle) -> Result<(), Halt> {
+        for &index in cycle.parameters() {
+            let name = Name { kind: Kind::Q, index };
+            if self.variables.get(name).is_none()
+                && let Some(value @ Value::Number(number)) =
+                    Evaluator::new(&mut self.variables, host).value_or_kept(name)?
+                && number != 0.0
+            {
+                self.cycles.running.changed.push((name, 0.0));
+                self.variables.set(name, value);
+            }
+        }
+        Ok(())
+    }
+
+    /// The path ends at a hole: a corner cannot follow, and the radius is not compensated from there on.
+    fn leave_path(&mut self, host: &mut dyn Host) -> Result<(), Halt> {
+        if self.path.corner.take().is_some() {
+            let text = format!("no corner can follow the hole of '{}'", host.block_text());
+            return Err(host.alarm(&diag::PATH_REFUSED, text));
+        }
+        self.path.base = None;
+        self.path.side = Beside::default();
+        self.path.round = false;
+        Ok(())
+    }
+
     fn hole_of(&mut self, host: &mut dyn Host, cycle: HoleCycle, blocks: &mut MadeBlocks) -> Result<(), Halt> {
+        self.set_parameters(host, cycle)?;
         let depth = self.parameter(201);
         if depth == 0.0 {
             return Ok(());
@@ -108,6 +161,7 @@ impl Heidenhain {
             );
             return Err(host.alarm(&diag::MACRO_ALARM, text));
         }
+        self.leave_path(host)?;
         let feed = self.system_number(host, 20.0, 9.0, None)?;
         let (surface, second) = (self.parameter(203), self.parameter(204));
         let clearance = self.parameter(200);

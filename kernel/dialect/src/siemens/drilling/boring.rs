@@ -3,9 +3,10 @@
 //! Facts: reference siemens-cycles.md 1. CYCLE86 orients the spindle and moves the tool off the wall before the
 //! retract. CYCLE87 and CYCLE88 stop the spindle and the program at the depth. CYCLE89 retracts at feed.
 
-use super::super::Outcome;
 use super::super::value::shown;
+use super::super::{Fault, Outcome};
 use super::Hole;
+use counterpoint_fault as diag;
 
 impl Hole<'_> {
     /// CYCLE86(RTP, RFP, SDIS, DP, DPR, DTB, SDIR, RPA, RPO, RPAP, POSS, _GMODE, _DMODE, _AMODE).
@@ -13,6 +14,15 @@ impl Hole<'_> {
         let [dwell, direction, aside, angle, modes] = [5, 6, 7, 10, 11];
         self.depth_modes(modes, 99_991, Some(dwell), 22)?;
         let levels = self.levels()?;
+        let lacks = (0..2).find(|&at| self.arguments.number(aside + at) != 0.0 && !self.axes.has(at));
+        if let Some(at) = lacks.filter(|_| self.arguments.digit(modes, 0) != 1) {
+            let axis = self.axes.letters.get(at).copied().map_or('Y', char::from);
+            let text = format!(
+                "12550 name not defined or option missing: {} moves {axis} off the wall, and this channel has no axis {axis}",
+                self.name
+            );
+            return Err(Fault::Alarm(&diag::UNKNOWN_TEXT, text));
+        }
         self.rapid_absolute(levels.start);
         self.start_spindle(direction)?;
         self.feed(levels.bottom);

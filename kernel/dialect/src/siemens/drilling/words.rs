@@ -36,6 +36,11 @@ impl HoleAxes {
         };
         Self { registers: letters.map(|letter| host.register(letter).filter(|_| has(letter))), letters }
     }
+
+    /// Whether the channel has an axis of the plane: 0 abscissa, 1 ordinate.
+    pub(super) fn has(&self, at: usize) -> bool {
+        self.registers.get(at).is_some_and(Option::is_some)
+    }
 }
 
 impl Hole<'_> {

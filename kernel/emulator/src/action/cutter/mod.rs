@@ -453,11 +453,12 @@ impl Act<'_, '_> {
         }
     }
 
-    /// Finishes a move that has waited too long.
-    pub(crate) fn flush_old(&mut self) -> Acted {
-        let blocks = self.at.blocks;
-        let old = self.cutter().and_then(|cutter| cutter.waiting.first().map(|first| blocks - first.block));
-        if old.is_some_and(|old| old > LONGEST_WAIT) { self.flush_lookahead() } else { Ok(()) }
+    /// Finishes a move that has waited too long, or before a hole one with a corner at its end.
+    pub(crate) fn flush_due(&mut self, hole: bool) -> Acted {
+        let now = self.at.blocks;
+        let is_due = |waits: &Waiting| if hole { waits.corner.is_some() } else { now - waits.block > LONGEST_WAIT };
+        let is_due = self.cutter().is_some_and(|cutter| cutter.waiting.iter().any(is_due));
+        if is_due { self.flush_lookahead() } else { Ok(()) }
     }
 
     /// Keeps a move back, and all later events.
