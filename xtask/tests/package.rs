@@ -90,11 +90,11 @@ fn the_debian_package_installs_runs_and_keeps_the_data() {
     let mut inside = Command::new("unshare");
     inside.args(["--mount", "--pid", "--fork", "--kill-child", "sh", "-e", "-c"]);
     inside.arg(
-        "mount -t tmpfs tmpfs \"$1\"; mkdir \"$1\"/upper \"$1\"/work \"$1\"/root
-        mount -t overlay overlay -o \"lowerdir=/,upperdir=$1/upper,workdir=$1/work\" \"$1\"/root
-        mount --bind /dev \"$1\"/root/dev; mount -t proc proc \"$1\"/root/proc; mount -t tmpfs tmpfs \"$1\"/root/run
-        mkdir -p \"$1\"/root/tmp; cp \"$2\" \"$1\"/root/tmp/counterpoint.deb; cp \"$3\" \"$1\"/root/tmp/inside.sh
-        command -v dpkg >/dev/null; chroot \"$1\"/root true; echo ready",
+        "mount -t tmpfs tmpfs \"$1\"; mkdir \"$1\"/upper \"$1\"/work \"$1\"/tree
+        mount -t overlay overlay -o \"lowerdir=/,upperdir=$1/upper,workdir=$1/work\" \"$1\"/tree
+        mount --bind /dev \"$1\"/tree/dev; mount -t proc proc \"$1\"/tree/proc; mount -t tmpfs tmpfs \"$1\"/tree/run
+        mkdir -p \"$1\"/tree/tmp; cp \"$2\" \"$1\"/tree/tmp/counterpoint.deb; cp \"$3\" \"$1\"/tree/tmp/inside.sh
+        command -v dpkg >/dev/null; chroot \"$1\"/tree true; echo ready",
     );
     inside.arg("sh").arg(&layers).arg(&made[1]).arg(root().join("xtask/tests/installed.sh"));
     let probe = inside.output();
@@ -108,7 +108,7 @@ fn the_debian_package_installs_runs_and_keeps_the_data() {
     }
     let script = inside.get_args().map(|part| part.to_string_lossy().into_owned()).collect::<Vec<_>>();
     let mut whole = Command::new("unshare");
-    whole.args(&script[..7]).arg(format!("{}; chroot \"$1\"/root sh -e /tmp/inside.sh", script[7]));
+    whole.args(&script[..7]).arg(format!("{}; chroot \"$1\"/tree sh -e /tmp/inside.sh", script[7]));
     let text = done(whole.args(&script[8..]));
     for part in ["installed", "ran a job", "kept on remove", "kept on purge", "removed as asked", "removed when empty"]
     {

@@ -60,7 +60,8 @@ impl Stop {
         }
     }
 
-    /// Whether the end was requested, for work on a thread of the job that is no block: waits while the job is suspended.
+    /// Waits while the job is suspended, then tells whether its end was requested. For long work between blocks, on a
+    /// thread of the job.
     #[must_use]
     #[inline(always)]
     pub fn asked_once_resumed(&self) -> bool {

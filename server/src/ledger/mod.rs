@@ -282,7 +282,7 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Makes its file smaller, from a thread that may block. Operations wait meanwhile.
     fn compact_blocking(&self) -> Result<Compacted, Refusal>;
 
-    /// Bytes of its file; 0 if there is none.
+    /// Size of its file in bytes; 0 for a ledger in memory.
     fn file_bytes(&self) -> u64;
 
     /// Bytes that its rows need in the file. Reads all pages.

@@ -38,7 +38,7 @@ impl Kernel<'_> {
         name: &Arc<str>,
         blocks: &mut MadeBlocks,
     ) -> Result<bool, Halt> {
-        let modes = self.channel.state.modal.saved();
+        let mut modes = None;
         for pass in 0..called.passes {
             blocks.clear();
             let made = self.with_interpreter(|interpreter, kernel| interpreter.cycle(kernel, program, blocks));
@@ -46,11 +46,13 @@ impl Kernel<'_> {
                 return Ok(false);
             }
             if pass == 0 {
+                modes = blocks.restores_codes.then(|| self.channel.state.modal.saved());
                 self.cycle_begins(name)?;
             }
-            blocks.iter().try_for_each(|words| self.cycle_block(words))?;
+            let span = (0, u32::try_from(self.current_text().len()).unwrap_or(u32::MAX));
+            blocks.iter().try_for_each(|words| self.cycle_block(words, span))?;
         }
-        if blocks.restores_codes {
+        if let Some(modes) = modes {
             self.put_modes_back(&modes);
         }
         let level = self.flow.frames.len() as u16;
@@ -72,13 +74,12 @@ impl Kernel<'_> {
         (self.plan.actions.flush_due)(self, true)
     }
 
-    /// Executes a block of a cycle. The span of each word is the whole calling block.
-    fn cycle_block(&mut self, words: &[CycleWord]) -> Acted {
+    /// Executes a block of a cycle. `span` is the whole calling block, which each word stands for.
+    fn cycle_block(&mut self, words: &[CycleWord], span: (u32, u32)) -> Acted {
         self.keep_pace();
         self.channel.at.blocks += 1;
         self.channel.at.made_blocks += 1;
         self.count_as_block()?;
-        let span = (0, u32::try_from(self.current_text().len()).unwrap_or(u32::MAX));
         self.channel.block.clear();
         for word in words {
             match *word {

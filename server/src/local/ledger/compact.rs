@@ -49,8 +49,8 @@ pub(super) fn used_bytes(txn: &ReadTransaction) -> Result<u64, Refusal> {
         + used(txn, machine_bytes::MACHINE_BYTES)?)
 }
 
-/// Compacts the file on the writer thread. If the new file cannot be opened after the rename, the ledger is no longer
-/// writable.
+/// Compacts the file on the writer thread. The ledger is no longer writable if the new file cannot be opened after the
+/// rename.
 ///
 /// # Errors
 /// The copy cannot be made; the ledger is unchanged.

@@ -113,27 +113,29 @@ impl Heidenhain {
         };
         let Some(cycle) = number.and_then(HoleCycle::numbered) else { return Ok(false) };
         self.calling = None;
+        let unset = self.set_parameters(host, cycle)?;
         let made = self.hole_of(host, cycle, blocks);
+        unset.into_iter().for_each(|name| self.variables.put_back(name, None));
         for (name, value) in std::mem::take(&mut self.cycles.running.changed) {
             self.variables.set(name, Value::Number(value));
         }
         made.map(|()| true)
     }
 
-    /// Gives parameters without a value the value of the machine, or 0 with a warning.
-    fn set_parameters(&mut self, host: &mut dyn Host, cycle: HoleCycle) -> Result<(), Halt> {
+    /// Gives parameters without a value that of the machine, or warns that 0 is used. Returns the parameters that have
+    /// a value only for this hole.
+    fn set_parameters(&mut self, host: &mut dyn Host, cycle: HoleCycle) -> Result<Vec<Name>, Halt> {
+        let mut unset = Vec::new();
         for &index in cycle.parameters() {
             let name = Name { kind: Kind::Q, index };
             if self.variables.get(name).is_none()
-                && let Some(value @ Value::Number(number)) =
-                    Evaluator::new(&mut self.variables, host).value_or_kept(name)?
-                && number != 0.0
+                && let Some(value @ Value::Number(_)) = Evaluator::new(&mut self.variables, host).value_or_kept(name)?
             {
-                self.cycles.running.changed.push((name, 0.0));
                 self.variables.set(name, value);
+                unset.push(name);
             }
         }
-        Ok(())
+        Ok(unset)
     }
 
     /// The path ends at a hole: a corner cannot follow, and the radius is not compensated from there on.
@@ -149,7 +151,6 @@ impl Heidenhain {
     }
 
     fn hole_of(&mut self, host: &mut dyn Host, cycle: HoleCycle, blocks: &mut MadeBlocks) -> Result<(), Halt> {
-        self.set_parameters(host, cycle)?;
         let depth = self.parameter(201);
         if depth == 0.0 {
             return Ok(());

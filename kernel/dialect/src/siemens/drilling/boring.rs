@@ -18,7 +18,8 @@ impl Hole<'_> {
         if let Some(at) = lacks.filter(|_| self.arguments.digit(modes, 0) != 1) {
             let axis = self.axes.letters.get(at).copied().map_or('Y', char::from);
             let text = format!(
-                "12550 name not defined or option missing: {} moves {axis} off the wall, and this channel has no axis {axis}",
+                "12550 name not defined or option missing: {} moves {axis} off the wall, and this channel has no axis \
+                 {axis}",
                 self.name
             );
             return Err(Fault::Alarm(&diag::UNKNOWN_TEXT, text));
