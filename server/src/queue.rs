@@ -4,12 +4,12 @@
 //! used the least is next, and a run of the tenant that has used the most is suspended for it. Of one tenant, urgent
 //! jobs go first and others in the order of acceptance; a job that has waited long counts as more urgent. Two kinds go
 //! before these: jobs of the tenant whose run the host failed, when their time has come, and, one at a time, jobs that
-//! were running when the previous server died. A job that is held back keeps its place among the jobs that a tenant may
+//! were running when the previous server died, which run alone for a while. A job that is held back keeps its place among the jobs that a tenant may
 //! let wait, but takes no turn. Invariant: a job is waiting, running or being stored, and never two of these.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Debug;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::ledger::record::Priority;
 
@@ -18,8 +18,8 @@ use crate::ledger::record::Priority;
 pub(crate) enum Entry {
     /// It was accepted then: after those of its tenant that are as urgent.
     Accepted(Instant),
-    /// It was running when the server before this one died: first and alone.
-    Suspect,
+    /// It was running when the server before this one died: first, and alone for this time.
+    Suspect(Duration),
     /// It waits for another run until then, and goes first.
     Again(Instant),
     /// It is held back until it is taken out.
@@ -93,6 +93,9 @@ pub(crate) trait Queue: Send + Debug {
 
     /// Jobs on workers whose runs are to be suspended.
     fn suspended(&self) -> BTreeSet<String>;
+
+    /// Jobs on workers whose runs use no processor time: they are suspended, or stood at the last look.
+    fn idle(&self) -> BTreeSet<String>;
 
     /// Number of jobs on workers.
     fn workers(&self) -> usize;

@@ -24,6 +24,11 @@ use crate::reason::Refusal;
 /// First and longest pause before a job is run again after the host has failed its run.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+/// Time for which a suspect runs alone after the server has died once. Each further death doubles it, so that a job that
+/// ends the server late is found, too.
+const ALONE: Duration = Duration::from_secs(5);
+/// Maximum number of times that it is doubled.
+const MOST_DOUBLINGS: u32 = 12;
 
 /// The queue, and places in it.
 #[derive(Debug)]
@@ -33,6 +38,8 @@ pub(super) struct Waiting {
     reserved: HashMap<String, usize>,
     /// Jobs on workers that let others have their core.
     suspended: BTreeMap<String, Arc<Live>>,
+    /// Jobs on workers without a mark, because they use no processor time.
+    unmarked: BTreeSet<String>,
 }
 
 /// Jobs in memory.
@@ -66,7 +73,12 @@ impl Board {
     pub(super) fn new(queue: Box<dyn Queue>, clock: Clock, epoch: u64, memory_bytes: u64) -> Self {
         Self {
             live: DashMap::new(),
-            queue: Mutex::new(Waiting { jobs: queue, reserved: HashMap::new(), suspended: BTreeMap::new() }),
+            queue: Mutex::new(Waiting {
+                jobs: queue,
+                reserved: HashMap::new(),
+                suspended: BTreeMap::new(),
+                unmarked: BTreeSet::new(),
+            }),
             recent: Mutex::default(),
             deadlines: Mutex::default(),
             feed: Feed::new(epoch),
@@ -97,10 +109,15 @@ fn entry(live: &Live) -> Entry {
     let mut entry = Entry::Accepted(Instant::now());
     live.peek(|record| match (record.paused, record.runs.suspect) {
         (true, _) => entry = Entry::Paused,
-        (false, true) => entry = Entry::Suspect,
+        (false, true) => entry = Entry::Suspect(time_alone(record.runs.attempt)),
         (false, false) => {}
     });
     entry
+}
+
+/// Time for which a suspect runs alone, by its attempts: all of them ended with the server.
+fn time_alone(attempts: u32) -> Duration {
+    ALONE * (1 << attempts.saturating_sub(1).min(MOST_DOUBLINGS))
 }
 
 fn push(queue: &mut dyn Queue, live: &Live, entry: Entry) {
@@ -282,6 +299,26 @@ impl Core {
             self.metrics.jobs.suspended.inc();
             queue.suspended.insert(id, live);
         }
+        self.mark_working(queue);
+    }
+
+    /// Keeps the marks of runs that use processor time, and no others: only these can end the server.
+    fn mark_working(&self, queue: &mut Waiting) {
+        let idle = queue.jobs.idle();
+        if idle == queue.unmarked {
+            return;
+        }
+        for id in idle.difference(&queue.unmarked) {
+            self.host.unmark(id);
+        }
+        let running = queue.jobs.running();
+        for live in queue.unmarked.difference(&idle).filter(|id| running.contains(id)).filter_map(|id| self.live(id)) {
+            // Without a mark the job is queued again if the server dies, and does not run alone.
+            if let Err(error) = self.host.mark(&live.id, live.peek(|record| record.runs.attempt)) {
+                tracing::debug!(job = live.id, %error, "the run has no mark");
+            }
+        }
+        queue.unmarked = idle;
     }
 
     /// A worker is free again: the job has ended, or the drain has interrupted it.
@@ -290,6 +327,7 @@ impl Core {
             let mut queue = lock(&self.board.queue);
             queue.jobs.free(&live.id, Instant::now());
             self.share_cores(&mut queue);
+            self.host.unmark(&live.id);
             self.board.running.send_replace(queue.jobs.busy().len());
         }
         self.changed(live);
@@ -321,6 +359,7 @@ impl Core {
             let (mut queue, now) = (lock(&self.board.queue), Instant::now());
             queue.jobs.free(&live.id, now);
             self.share_cores(&mut queue);
+            self.host.unmark(&live.id);
             // A cancel comes after the job left the queue, or finds it there.
             let entry = if live.paused() && !live.cancelled() { Entry::Paused } else { Entry::Again(now + pause) };
             push(&mut *queue.jobs, live, entry);

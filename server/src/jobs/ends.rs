@@ -67,7 +67,6 @@ impl End {
         let Self { core, live, record, log } = self;
         core.board.tally.ended(&record);
         core.ended(&record);
-        core.host.unmark(&live.id);
         if let Some(log) = log.filter(|_| record.state.ended()) {
             live.tail().set(log.bytes.len() as u64, log.last_seq);
         }

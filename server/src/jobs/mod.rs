@@ -146,13 +146,12 @@ impl Core {
         // Marks of jobs that have ended.
         marks.keys().for_each(|id| self.host.unmark(id));
         let running = unfinished.iter().filter(|record| record.state == State::Running).count();
-        let alone = running == 1;
         if !unfinished.is_empty() {
             tracing::info!(jobs = unfinished.len(), running, "jobs that have not ended are taken up again");
         }
         for record in unfinished {
             let before = record.state;
-            let record = recovered(record, alone, self.options.maxima.attempts, &self.board.clock);
+            let record = recovered(record, running, self.options.maxima.attempts, &self.board.clock);
             if before == State::Running {
                 tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
             }

@@ -150,15 +150,13 @@ fn drop_run(core: &Core, live: &Live, used: Duration, change: impl FnOnce(&mut R
     if let Err(error) = core.logs.remove_log(&live.id) {
         tracing::warn!(%error, "the unfinished log stays until the next run");
     }
-    let record = live.change(|record| {
+    live.change(|record| {
         if std::mem::replace(&mut record.state, State::Queued) == State::Running {
             record.runs.attempt = record.runs.attempt.saturating_sub(1);
         }
         record.runs.cpu_us = record.runs.cpu_us.saturating_add(cpu::micros(used));
         change(record);
-    });
-    core.host.unmark(&live.id);
-    record
+    })
 }
 
 /// Between two looks at whether the run is to end.

@@ -289,10 +289,10 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     fn used_bytes(&self) -> Result<u64, Refusal>;
 }
 
-/// State to which a job returns when the server starts. `alone`: no other job was running when the previous server
-/// ended, so the job may have ended it.
-pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32, clock: &Clock) -> Record {
-    let suspect = record.state == State::Running;
+/// State to which a job returns when the server starts. `running`: jobs that were running when the previous server
+/// ended. A job that ran alone may have ended it.
+pub(crate) fn recovered(mut record: Record, running: usize, attempts: u32, clock: &Clock) -> Record {
+    let (suspect, alone) = (record.state == State::Running, running == 1);
     if suspect && alone {
         record.runs.crashes += 1;
     }
@@ -305,7 +305,8 @@ pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32, clock: &
         record.runs.cause = Some(record::Cause::Host);
         record.error = format!("poison: the server died {} times while this job ran alone", record.runs.crashes);
     } else {
-        record.runs.suspect |= suspect;
+        // A suspect that was not running when another server died was not the cause.
+        record.runs.suspect = suspect || record.runs.suspect && running == 0;
         record.state = State::Queued;
     }
     record

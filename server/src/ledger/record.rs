@@ -165,7 +165,7 @@ pub struct Runs {
     pub started_ms: i64,
     /// Times the server died while this job was the only one that ran.
     pub crashes: u32,
-    /// It was running when the server died, and has not ended since: it runs alone.
+    /// It was running when the server died, and has not ended since: at first it runs alone.
     pub suspect: bool,
     /// Runs that the host failed (disk, descriptors, memory of the system); none of them is an attempt.
     pub host_failures: u32,

@@ -112,7 +112,7 @@ impl As {
     }
 
     pub async fn wait(&self, job: &str) -> v1::JobStatus {
-        let request = v1::WaitJobRequest { job_id: job.into(), timeout_ms: 20_000 };
+        let request = v1::WaitJobRequest { job_id: job.into(), timeout_ms: 120_000 };
         self.jobs().wait_job(request).await.unwrap().into_inner().status.unwrap()
     }
 

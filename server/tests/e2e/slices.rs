@@ -10,6 +10,7 @@ use counterpoint_server::service;
 use tonic::transport::Channel;
 
 use crate::guarded::*;
+use crate::life::copy;
 use crate::share::server_until;
 
 /// Moves in an endless loop; iterations without events take most of the time.
@@ -30,13 +31,23 @@ struct Real {
 impl Real {
     async fn start<const N: usize>(options: Options, tenants: [&str; N]) -> (Self, [As; N]) {
         let tokens = tenants.map(|tenant| grant(&options, tenant, tenant, Role::Submit));
+        let (server, connection) = Self::serve(options).await;
+        (server, tokens.map(|token| As { connection: connection.clone(), bearer: Bearer(Some(token)) }))
+    }
+
+    /// Another server for the same tenants.
+    async fn again<const N: usize>(options: Options, tenants: [As; N]) -> (Self, [As; N]) {
+        let (server, connection) = Self::serve(options).await;
+        (server, tenants.map(|tenant| As { connection: connection.clone(), ..tenant }))
+    }
+
+    async fn serve(options: Options) -> (Self, Channel) {
         let service = service::build(options).await.unwrap();
         let handle = service.handle();
         let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
         let address = format!("http://{}", handle.address());
         let connection = Channel::from_shared(address).unwrap().connect().await.unwrap();
-        let tenants = tokens.map(|token| As { connection: connection.clone(), bearer: Bearer(Some(token)) });
-        (Self { handle, task }, tenants)
+        (Self { handle, task }, connection)
     }
 
     async fn stop(self) {
@@ -163,15 +174,37 @@ async fn suspended_runs_are_paused_resumed_and_drained_like_others() {
     }
     server.stop().await;
     // The runs were interrupted, so no job has failed and all jobs run again.
-    let service = service::build(options).await.unwrap();
-    let handle = service.handle();
-    let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
-    let connection = Channel::from_shared(format!("http://{}", handle.address())).unwrap().connect().await.unwrap();
-    for (tenant, job) in tenants.into_iter().zip(&jobs) {
-        let tenant = As { connection: connection.clone(), ..tenant };
-        moves(&tenant, job).await;
+    let (server, tenants) = Real::again(options, tenants).await;
+    for (tenant, job) in tenants.iter().zip(&jobs) {
+        moves(tenant, job).await;
     }
-    Real { handle, task }.stop().await;
+    server.stop().await;
+}
+
+/// After a crash, jobs that were running run alone for a while only, also if they have no end or their clients do
+/// nothing.
+#[tokio::test(flavor = "multi_thread")]
+async fn jobs_that_a_crash_has_interrupted_do_not_hold_other_tenants() {
+    let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let options = Options { workers: 2, ..guarded(first.path()) };
+    let (server, [endless_one, stepping, late]) = Real::start(options.clone(), ["endless", "stepping", "late"]).await;
+    let without_end = endless(&endless_one, "fanuc-mill", BLOCKS, limits()).await;
+    moves(&endless_one, &without_end).await;
+    let options_of_job = v1::JobOptions { stepped: true, ..Default::default() };
+    let stepped = stepping.submit_with("stepped", "fanuc-mill", TINY, Some(options_of_job)).await.unwrap().job_id;
+    server_until(&stepping, &stepped, v1::JobState::Running).await;
+    let data = second.path().join("data");
+    copy(&options.data, &data);
+    server.stop().await;
+    let (server, [endless_one, stepping, late]) =
+        Real::again(Options { data, ..options }, [endless_one, stepping, late]).await;
+    let job = late.submit("late", "fanuc-mill", TINY).await.unwrap().job_id;
+    assert_eq!(ends(&late, &job).await.state(), v1::JobState::Succeeded);
+    moves(&endless_one, &without_end).await;
+    server_until(&stepping, &stepped, v1::JobState::Running).await;
+    cancel(&endless_one, &without_end).await;
+    cancel(&stepping, &stepped).await;
+    server.stop().await;
 }
 
 /// A run gets its full running time, however long it was suspended. Suspended time counts for its deadline.

@@ -1,10 +1,11 @@
 //! The queue in memory: a server that starts fills it from its ledger.
 //!
-//! `turns` decides whose turn it is. Invariant: a question about a job's place costs the logarithm of the line's
-//! length, and one step per tenant.
+//! `turns` decides whose turn it is, and `suspects` which jobs run alone. Invariant: a question about a job's place
+//! costs the logarithm of the line's length, and one step per tenant.
 
 mod line;
 mod places;
+mod suspects;
 mod turns;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
@@ -13,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use crate::queue::{Entry, Look, Queue, Ticket};
 use line::{Line, Spot, class};
+use suspects::{Alone, Suspect};
 use turns::Run;
 
 /// Most jobs whose end is being stored while others have their workers.
@@ -20,8 +22,8 @@ const MOST_STORING: usize = 64;
 /// Jobs that wait, and who has a place.
 #[derive(Debug, Default)]
 pub(crate) struct LocalQueue {
-    /// Jobs that were running when the server before this one died: they run alone.
-    suspects: VecDeque<(String, Arc<str>)>,
+    /// Jobs that were running when the server before this one died: they run alone at first.
+    suspects: VecDeque<Suspect>,
     /// Jobs whose run the host failed, and when they may be run again.
     again: Vec<(Instant, String, Arc<str>)>,
     /// Jobs that are held back.
@@ -40,8 +42,8 @@ pub(crate) struct LocalQueue {
     last_number: u64,
     /// Jobs whose run is over and whose end is being stored.
     storing: BTreeSet<String>,
-    /// The one running job is to have no company.
-    alone: bool,
+    /// The suspect that runs alone.
+    alone: Option<Alone>,
 }
 
 impl LocalQueue {
@@ -133,7 +135,7 @@ impl Queue for LocalQueue {
         let (id, tenant) = (ticket.id.to_owned(), self.tenant(ticket.tenant));
         self.line(&tenant).held += 1;
         match entry {
-            Entry::Suspect => self.suspects.push_back((id, tenant)),
+            Entry::Suspect(alone) => self.suspects.push_back(Suspect { id, tenant, alone }),
             Entry::Again(at) => self.again.push((at, id, tenant)),
             Entry::Paused => drop(self.paused.insert(id, tenant)),
             Entry::Accepted(since) => {
@@ -147,22 +149,11 @@ impl Queue for LocalQueue {
 
     fn next(&mut self, look: &Look<'_>) -> Option<String> {
         self.charge(look);
-        if self.alone {
-            return None;
+        match self.next_suspect(look) {
+            Some(id) => Some(id),
+            None if self.alone.is_some() => None,
+            None => self.divide(look),
         }
-        if self.suspects.is_empty() {
-            return self.divide(look);
-        }
-        if !self.running.is_empty() {
-            // Until they have ended no other job starts.
-            return self.divide(&Look { starts: false, ..*look });
-        }
-        if !look.starts {
-            return None;
-        }
-        let (id, tenant) = self.suspects.pop_front()?;
-        self.alone = true;
-        Some(self.begin(id, tenant, look.now))
     }
 
     fn store(&mut self, id: &str, now: Instant) {
@@ -176,7 +167,7 @@ impl Queue for LocalQueue {
         self.storing.remove(id);
         let Some(at) = self.running.iter().position(|run| run.id == id) else { return };
         let run = self.running.swap_remove(at);
-        self.alone = false;
+        self.alone.take_if(|alone| alone.id == id);
         let line = self.line(&run.tenant);
         line.running = line.running.saturating_sub(1);
         line.used += run.uncharged(now);
@@ -187,9 +178,9 @@ impl Queue for LocalQueue {
         let tenant = if let Some((tenant, spot)) = self.spots.get(id).cloned() {
             self.take(&tenant, spot);
             tenant
-        } else if let Some(at) = self.suspects.iter().position(|(waiting, _)| waiting == id) {
-            let Some((_, tenant)) = self.suspects.remove(at) else { return false };
-            tenant
+        } else if let Some(at) = self.suspects.iter().position(|suspect| suspect.id == id) {
+            let Some(suspect) = self.suspects.remove(at) else { return false };
+            suspect.tenant
         } else if let Some(at) = self.again.iter().position(|(_, waiting, _)| waiting == id) {
             self.again.remove(at).2
         } else if let Some(tenant) = self.paused.remove(id) {
@@ -211,7 +202,7 @@ impl Queue for LocalQueue {
             let others: usize = others.map(|(_, line)| line.len().min(own + 1)).sum();
             return self.suspects.len() + self.again.len() + own + others;
         }
-        let suspect = self.suspects.iter().position(|(waiting, _)| waiting == id);
+        let suspect = self.suspects.iter().position(|suspect| suspect.id == id);
         let again = || self.again.iter().position(|(_, waiting, _)| waiting == id);
         suspect.or_else(|| again().map(|at| self.suspects.len() + at)).unwrap_or(0)
     }
@@ -222,6 +213,10 @@ impl Queue for LocalQueue {
 
     fn suspended(&self) -> BTreeSet<String> {
         self.running.iter().filter(|run| run.suspended).map(|run| run.id.clone()).collect()
+    }
+
+    fn idle(&self) -> BTreeSet<String> {
+        self.running.iter().filter(|run| !run.works()).map(|run| run.id.clone()).collect()
     }
 
     fn workers(&self) -> usize {

@@ -66,8 +66,8 @@ fn suspects_run_first_and_without_company() {
     let now = Instant::now();
     let mut queue = LocalQueue::default();
     push(&mut queue, "other", Entry::Accepted(now));
-    push(&mut queue, "first", Entry::Suspect);
-    push(&mut queue, "second", Entry::Suspect);
+    push(&mut queue, "first", Entry::Suspect(Duration::from_secs(5)));
+    push(&mut queue, "second", Entry::Suspect(Duration::from_secs(5)));
     assert_eq!((queue.before("second"), queue.before("other")), (1, 2));
     assert_eq!(next(&mut queue, 4, now).unwrap(), "first");
     assert!(next(&mut queue, 4, now).is_none(), "nothing runs beside a suspect");

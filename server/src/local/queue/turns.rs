@@ -32,7 +32,7 @@ pub(super) struct Run {
     slice: Duration,
     pub(super) suspended: bool,
     /// Whether the run used no processor time at the last look.
-    stands: bool,
+    pub(super) stands: bool,
 }
 
 impl Run {
@@ -41,7 +41,7 @@ impl Run {
     }
 
     /// Whether the run uses a slot.
-    fn works(&self) -> bool {
+    pub(super) fn works(&self) -> bool {
         !self.suspended && !self.stands
     }
 

@@ -60,6 +60,13 @@ impl World {
         self.look();
     }
 
+    /// A job that was running when the previous server died; it runs alone for five seconds.
+    fn suspect(&mut self, id: &str, needs: Duration) {
+        self.needs.insert(id.to_owned(), needs);
+        let ticket = Ticket { id, tenant: &id[..1], priority: Priority::Normal };
+        self.queue.push(ticket, Entry::Suspect(ms(5000)));
+    }
+
     fn look(&mut self) {
         let before = self.queue.suspended();
         let Self { queue, slots, room, now, started, stand, .. } = self;
@@ -296,15 +303,13 @@ fn a_job_that_the_host_failed_gets_a_slot_beside_endless_runs() {
 }
 
 #[test]
-fn suspended_runs_continue_while_a_suspect_waits_and_while_no_job_may_start() {
+fn suspended_runs_continue_after_a_suspect_and_while_no_job_may_start() {
     let mut world = World::new(1);
     world.submit("a", ms(1000));
     world.pass(ms(100));
     world.submit("b", ms(1000));
     world.pass(ms(100));
-    let ticket = Ticket { id: "c", tenant: "c", priority: Priority::Normal };
-    world.needs.insert("c".to_owned(), ms(10));
-    world.queue.push(ticket, Entry::Suspect);
+    world.suspect("c", ms(10));
     world.pass(Duration::from_secs(3));
     assert_eq!(world.ended.keys().collect::<Vec<_>>(), ["a", "b", "c"]);
     let mut world = World::new(1);
@@ -315,4 +320,51 @@ fn suspended_runs_continue_while_a_suspect_waits_and_while_no_job_may_start() {
     world.queue.free("b", world.now);
     let look = Look { slots: 1, starts: false, room: true, now: world.now, stands: &|_| false };
     assert_eq!((world.queue.next(&look), world.queue.suspended().len()), (None, 0));
+}
+
+#[test]
+fn endless_suspects_hold_others_only_while_each_of_them_runs_alone() {
+    let mut world = World::new(4);
+    world.suspect("a", ENDLESS);
+    world.suspect("b", ENDLESS);
+    world.submit("z", ms(40));
+    world.pass(ms(4000));
+    assert_eq!(world.working(), ["a"]);
+    world.pass(ms(2000));
+    assert_eq!((world.working(), world.queue.idle()), (vec!["b".to_owned()], BTreeSet::from(["a".to_owned()])));
+    world.pass(ms(4200));
+    assert!(world.ended["z"] <= ms(10_000 + 75 + 40), "{:?}", world.ended["z"]);
+    assert_eq!(world.working(), ["a", "b"]);
+    assert!(world.queue.idle().is_empty());
+}
+
+#[test]
+fn a_suspect_that_stands_holds_nobody() {
+    let mut world = World::new(1);
+    world.suspect("a", ENDLESS);
+    world.suspect("b", ms(30));
+    world.submit("z", ms(40));
+    world.stand.insert("a".to_owned());
+    world.pass(ms(300));
+    assert!(world.ended["b"] <= ms(100) && world.ended["z"] <= ms(200), "{:?}", world.ended);
+    // It runs beside others when its client acts.
+    world.stand.clear();
+    world.submit("y", ENDLESS);
+    world.pass(ms(4000));
+    assert!(world.used("a") >= ms(1800) && world.used("y") >= ms(1800), "{:?}", world.used);
+}
+
+#[test]
+fn a_cleared_suspect_that_its_client_moves_waits_while_another_suspect_runs_alone() {
+    let mut world = World::new(2);
+    world.suspect("a", ENDLESS);
+    world.suspect("b", ENDLESS);
+    world.stand.insert("a".to_owned());
+    world.look();
+    world.pass(ms(200));
+    world.stand.clear();
+    world.pass(ms(100));
+    assert_eq!(world.working(), ["b"]);
+    world.pass(ms(5000));
+    assert_eq!(world.working(), ["a", "b"]);
 }
