@@ -264,9 +264,7 @@ const MACHINING: [(&str, i64); 10] = [
 
 /// Whether a register or an axis has this name.
 pub(super) fn words_name(host: &dyn Host, name: &str) -> bool {
-    host.is_register(name)
-        || host.is_register(&format!("{name}="))
-        || host.axes().iter().any(|axis| axis.name.eq_ignore_ascii_case(name) || axis.letter.eq_ignore_ascii_case(name))
+    host.is_register(name) || host.is_register(&format!("{name}=")) || host.axis_letter(name).is_some()
 }
 
 fn unknown(name: &str) -> Fault {

@@ -144,7 +144,7 @@ fn asks(host: &dyn Host, left: &Left) -> bool {
             b'N' => {}
             b'F' | b'S' => rates = true,
             _ => {
-                let is_axis = host.axes().iter().any(|axis| axis.letter.eq_ignore_ascii_case(name));
+                let is_axis = host.axis_letter(name).is_some_and(|letter| letter.eq_ignore_ascii_case(name));
                 axis |= is_axis;
                 others |= !is_axis;
             }

@@ -94,16 +94,19 @@ impl Hole<'_> {
         self.rapid_absolute(levels.start);
         let mut done = 0.0;
         for _ in 0..MOST_STROKES {
-            if done == 0.0 {
+            let slower = done == 0.0 && factor != 1.0;
+            if slower {
                 self.set_feed(feed * factor);
-            } else if clears {
+            } else if done > 0.0 && clears {
                 self.rapid(levels.at(done - lead));
             }
             done += strokes.length;
             let is_last = done >= total - NEGLIGIBLE;
             done = if is_last { total } else { done };
             self.feed(levels.at(done));
-            self.set_feed(feed);
+            if slower {
+                self.set_feed(feed);
+            }
             if is_last {
                 self.dwell(last_dwell);
                 self.rapid(levels.retract);
