@@ -32,7 +32,13 @@ pub(crate) async fn dispatch(command: Admin) -> Result<u8, Error> {
         Admin::Compact(_) => {
             let answer = client.admin().compact_ledger(v1::CompactLedgerRequest {}).await?.into_inner();
             let v1::CompactLedgerResponse { before_bytes, after_bytes, waited_ms } = answer;
-            format!("the ledger had {before_bytes} bytes and has {after_bytes} now; submits waited {waited_ms} ms\n")
+            if after_bytes < before_bytes {
+                format!(
+                    "the ledger had {before_bytes} bytes and has {after_bytes} now; submits waited {waited_ms} ms\n"
+                )
+            } else {
+                format!("the ledger has {before_bytes} bytes, and cannot be smaller; submits waited {waited_ms} ms\n")
+            }
         }
     };
     say::data(text.as_bytes())?;

@@ -23,9 +23,20 @@ pub enum LogFormat {
     Json,
 }
 
+/// The variable that selects the lines.
+const FILTER: &str = "COUNTERPOINT_LOG";
+
 /// Starts the log of this process.
-pub fn start(format: LogFormat) {
-    let filter = EnvFilter::try_from_env("COUNTERPOINT_LOG").unwrap_or_else(|_| EnvFilter::new("info"));
+///
+/// # Errors
+/// `COUNTERPOINT_LOG` is not a filter.
+pub fn start(format: LogFormat) -> Result<(), String> {
+    let text = std::env::var_os(FILTER).unwrap_or_default().to_string_lossy().into_owned();
+    let filter = EnvFilter::try_new(if text.is_empty() { "info" } else { &text }).map_err(|error| {
+        format!(
+            "{FILTER} is '{text}': {error}; expected a level (error, warn, info, debug, trace) or target=level pairs"
+        )
+    })?;
     let lines = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_ansi(format == LogFormat::Text && stderr().is_terminal())
@@ -38,6 +49,7 @@ pub fn start(format: LogFormat) {
             std::panic::set_hook(Box::new(|panic| tracing::error!(%panic, "a thread has panicked")));
         }
     }
+    Ok(())
 }
 
 /// Reports why the running server ends.

@@ -138,7 +138,9 @@ fn main() -> ExitCode {
         return run(&command, &options);
     }
     let format = options.log_format;
-    logging::start(format);
+    if let Err(error) = logging::start(format) {
+        return fail(2, &error);
+    }
     keep_private();
     match start(options, arguments.config.as_deref()) {
         Ok(()) => ExitCode::SUCCESS,

@@ -50,7 +50,10 @@ impl Gate {
         }
         let audit = match guard.audit.as_os_str().is_empty() {
             true => None,
-            false => Some(Audit::open(&guard.audit).map_err(|error| format!("'{}': {error}", guard.audit.display()))?),
+            false => Some(Audit::open(&guard.audit).map_err(|error| {
+                let file = guard.audit.display();
+                format!("the audit log '{file}' (option audit) cannot be opened: {error}; its folder must exist")
+            })?),
         };
         Ok(Self { access: Access::open(guard)?, audit, metrics, tls, web: Web::open(guard) })
     }

@@ -239,3 +239,18 @@ async fn a_disk_without_room_for_a_copy_is_not_filled() {
     server.stop().await;
     has_all(folder.path(), &kept).await;
 }
+
+#[tokio::test]
+async fn a_small_ledger_stays_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("r", "EVENTS 200").await;
+    server.wait(&job).await;
+    let before = folder.path().join("ledger.redb").metadata().unwrap();
+    let answer = compact(&server).await.unwrap();
+    let after = folder.path().join("ledger.redb").metadata().unwrap();
+    assert_eq!((answer.before_bytes, answer.after_bytes), (before.len(), before.len()));
+    assert_eq!((after.len(), after.ino()), (before.len(), before.ino()));
+    server.stop().await;
+    has_all(folder.path(), &[job]).await;
+}

@@ -126,3 +126,20 @@ fn a_start_with_too_few_threads_says_how_many_it_needs() {
         assert!(!text.contains("panicked"), "{most}: {text}");
     }
 }
+
+/// Starts a server that refuses to start; returns its exit code and its reason.
+fn refused(variable: (&str, &str), option: [&str; 2]) -> (i32, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    command.args(["--listen", "127.0.0.1:0", "--data"]).arg(folder.path()).args(option).env(variable.0, variable.1);
+    let output = command.output().unwrap();
+    (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn a_wrong_filter_of_the_log_and_an_audit_log_without_a_folder_are_named() {
+    let (code, text) = refused(("COUNTERPOINT_LOG", "counterpoint_server=loud"), ["--workers", "1"]);
+    assert!(code == 2 && text.contains("COUNTERPOINT_LOG is 'counterpoint_server=loud'"), "{code} {text}");
+    let (code, text) = refused(("COUNTERPOINT_LOG", "info"), ["--audit", "/no-such-folder/audit.json"]);
+    assert!(code == 3 && text.contains("(option audit)") && text.contains("/no-such-folder"), "{code} {text}");
+}

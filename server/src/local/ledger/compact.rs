@@ -66,12 +66,20 @@ pub(super) fn compact(shared: &Shared, store: &Store) -> Result<Compacted, Refus
     let database = shared.current().ok_or_else(super::closed)?;
     let copied = contained(|| checkup::copy(&database.begin_read().map_err(storage)?, &copy, store));
     let placed = copied.and_then(|copied| copied).and_then(|()| {
+        if copy.metadata().at(&copy)?.len() >= before {
+            // A small file has no less than its first pages.
+            return Ok(std::fs::remove_file(&copy).at(&copy).map(|()| false)?);
+        }
         disk.step(Step::Place, path).at(path)?;
-        Ok(std::fs::rename(&copy, path).at(path)?)
+        Ok(std::fs::rename(&copy, path).at(path).map(|()| true)?)
     });
-    if let Err(error) = placed {
-        let _ = std::fs::remove_file(&copy);
-        return Err(error);
+    match placed {
+        Ok(true) => {}
+        Ok(false) => return Ok(Compacted { before, after: before, time: begin.elapsed() }),
+        Err(error) => {
+            let _ = std::fs::remove_file(&copy);
+            return Err(error);
+        }
     }
     // Open readers keep the old file until they finish.
     drop(database);
@@ -79,11 +87,14 @@ pub(super) fn compact(shared: &Shared, store: &Store) -> Result<Compacted, Refus
     Ok(Compacted { before, after: path.metadata().at(path)?.len(), time: begin.elapsed() })
 }
 
+/// File size below which a copy is hardly smaller: a new file has one mebibyte.
+const SMALL: u64 = 2 << 20;
+
 impl Compacted {
-    /// Whether a copy is worthwhile: at least `least_free` bytes and half of the file are free.
+    /// Whether a copy is worthwhile: the file is not small, and at least `least_free` bytes and half of it are free.
     pub(crate) fn worthwhile(file: u64, used: u64, least_free: u64) -> bool {
         let free = file.saturating_sub(used);
-        least_free > 0 && free >= least_free && free >= file / 2
+        file >= SMALL && least_free > 0 && free >= least_free && free >= file / 2
     }
 
     /// Bytes by which the file has shrunk.
@@ -98,9 +109,11 @@ mod tests {
 
     #[test]
     fn half_of_the_file_must_be_free_and_as_much_as_configured() {
-        assert!(Compacted::worthwhile(1000, 400, 600));
-        assert!(!Compacted::worthwhile(1000, 400, 601));
-        assert!(!Compacted::worthwhile(1000, 501, 1), "less than half");
-        assert!(!Compacted::worthwhile(1000, 0, 0), "0 = only on command");
+        let file = 10 * SMALL;
+        assert!(Compacted::worthwhile(file, file - 6 * SMALL, 6 * SMALL));
+        assert!(!Compacted::worthwhile(file, file - 6 * SMALL, 6 * SMALL + 1));
+        assert!(!Compacted::worthwhile(file, 5 * SMALL + 1, 1), "less than half");
+        assert!(!Compacted::worthwhile(file, 0, 0), "0 = only on command");
+        assert!(!Compacted::worthwhile(SMALL - 1, 0, 1), "a copy is hardly smaller");
     }
 }
