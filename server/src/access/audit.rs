@@ -60,6 +60,11 @@ fn open(path: &Path) -> std::io::Result<File> {
     options.open(path)
 }
 
+/// Whether a call changes something.
+fn changes(call: &str) -> bool {
+    matches!(calls::needs(call), calls::Needs::Role(role) if role > Role::Read)
+}
+
 impl Audit {
     /// Appends to a file, which is made if it is not there.
     pub(crate) fn open(path: &Path) -> std::io::Result<Self> {
@@ -77,10 +82,16 @@ impl Audit {
         Ok(())
     }
 
+    /// Notes a call that has ended without an answer, if it changes something.
+    pub(crate) fn note_unanswered(&self, peer: SocketAddr, caller: Option<&Caller>, call: &str) {
+        if changes(call) {
+            self.note(peer, caller, call, Code::Cancelled);
+        }
+    }
+
     /// Notes a call.
     pub(crate) fn note(&self, peer: SocketAddr, caller: Option<&Caller>, call: &str, code: Code) {
-        let changes = matches!(calls::needs(call), calls::Needs::Role(role) if role > Role::Read);
-        if code == Code::Ok && !changes {
+        if code == Code::Ok && !changes(call) {
             return;
         }
         let mut left_out = 0;
@@ -99,7 +110,7 @@ impl Audit {
         let (peer, call) = (&*peer.to_string(), call.get(..call.floor_char_boundary(CALL)).unwrap_or_default());
         let identity = caller.map(|caller| &*caller.identity);
         let targets = caller.map(Caller::targets).filter(|targets| !targets.is_empty());
-        for target in targets.unwrap_or(&[String::new()]) {
+        for target in &targets.unwrap_or_else(|| vec![String::new()]) {
             self.write(&Line {
                 time_ms: now_ms(),
                 peer,

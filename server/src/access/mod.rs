@@ -20,7 +20,7 @@ pub mod token_commands;
 use std::collections::HashMap;
 use std::net::IpAddr;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use http::{HeaderMap, HeaderValue};
@@ -78,7 +78,7 @@ const TARGET: usize = 128;
 #[derive(Debug, Clone)]
 pub(crate) struct Caller {
     pub(crate) identity: Arc<Identity>,
-    targets: Arc<OnceLock<Vec<String>>>,
+    targets: Arc<Mutex<Vec<String>>>,
 }
 
 impl Caller {
@@ -96,19 +96,23 @@ impl Caller {
         &self.identity.tenant
     }
 
-    /// Records the subject of the call.
+    /// Records the subject of the call; the last one counts.
     pub(crate) fn about(&self, target: &str) {
-        let _ = self.targets.set(vec![target.chars().take(TARGET).collect()]);
+        *self.lock() = vec![target.chars().take(TARGET).collect()];
     }
 
     /// Records the jobs of a call for many.
     pub(crate) fn about_jobs(&self, ids: &[String]) {
-        let _ = self.targets.set(ids.to_vec());
+        *self.lock() = ids.to_vec();
     }
 
     /// The targets of the call; empty if unknown.
-    pub(crate) fn targets(&self) -> &[String] {
-        self.targets.get().map_or(&[], Vec::as_slice)
+    pub(crate) fn targets(&self) -> Vec<String> {
+        self.lock().clone()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<String>> {
+        self.targets.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -183,6 +183,13 @@ impl Gate {
         self.note(peer, caller, path, code);
     }
 
+    /// Notes a call that its client has ended before its answer.
+    pub(super) fn unanswered(&self, peer: SocketAddr, caller: Option<&Caller>, path: &str) {
+        if let Some(audit) = &self.audit {
+            audit.note_unanswered(peer, caller, path);
+        }
+    }
+
     fn note(&self, peer: SocketAddr, caller: Option<&Caller>, path: &str, code: Code) {
         if let Some(audit) = &self.audit {
             audit.note(peer, caller, path, code);

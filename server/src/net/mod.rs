@@ -11,6 +11,7 @@ mod pause;
 mod status;
 mod tls;
 mod turn;
+mod unanswered;
 mod web;
 
 use std::convert::Infallible;
@@ -49,6 +50,7 @@ pub(crate) use gate::Gate;
 use held::Held;
 use pause::{Pause, Paused};
 pub(crate) use status::serve as monitor;
+use unanswered::Unanswered;
 
 /// Largest message in either direction, bytes; for a compressed message, its size without compression.
 pub(crate) const MAX_MESSAGE: usize = 4 << 20;
@@ -312,6 +314,7 @@ async fn answer(
         return Ok(refused.map(|body| Held::new(body, call, None, None)));
     }
     let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
+    let unanswered = Unanswered::new(peer.clone(), caller.clone(), path.clone());
     let mut stay = None;
     let answered = async {
         let (parts, body) = request.map(Body::new).into_parts();
@@ -346,7 +349,7 @@ async fn answer(
         },
     };
     let mut response = detailed(response);
-    peer.gate.answered(peer.address, caller.as_ref(), &path, &response, begin.elapsed());
+    unanswered.answered(&response, begin.elapsed());
     if let Some(origin) = readable {
         web::allow(response.headers_mut(), origin);
     }

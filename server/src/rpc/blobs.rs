@@ -98,6 +98,7 @@ impl Service for Blobs {
         let (core, tenant) = (self.0.clone(), caller.tenant().to_owned());
         let stored = blocking(move || {
             let (digest, size) = (digest(&data), data.len() as u64);
+            caller.about(&digest);
             let (receiver, growing) =
                 begin(&core, &tenant, &v1::UploadRequest { digest: digest.clone(), data, size: Some(size) })?;
             receiver.finish()?;
@@ -105,7 +106,6 @@ impl Service for Blobs {
             Ok(v1::PutBlobResponse { digest, size })
         })
         .await?;
-        caller.about(&stored.digest);
         Ok(Response::new(stored))
     }
 

@@ -230,6 +230,7 @@ impl Service for Jobs {
         let _taken = submit::memory(&core, caller.tenant(), &request.request_id, bytes).await?;
         let (record, work) = blocking(move || submit::rerun(&core, earlier, request)).await?;
         let (record, duplicate) = self.0.submit(record, work).await?;
+        caller.about(&record.id);
         Ok(Response::new(v1::RerunJobResponse { status: Some(status(record)), duplicate }))
     }
 

@@ -1,0 +1,40 @@
+//! Calls that end without an answer.
+//!
+//! *Invariant:* a call that may have changed something has a line in the audit log, also if its client has ended it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use http::Response;
+use tonic::body::Body;
+
+use super::Peer;
+use crate::access::Caller;
+
+/// A call without an answer. If its client ends it, its future is dropped, and the audit log gets a line.
+pub(super) struct Unanswered {
+    peer: Arc<Peer>,
+    caller: Option<Caller>,
+    /// Empty once the call has an answer.
+    path: String,
+}
+
+impl Unanswered {
+    pub(super) fn new(peer: Arc<Peer>, caller: Option<Caller>, path: String) -> Self {
+        Self { peer, caller, path }
+    }
+
+    /// The call has an answer.
+    pub(super) fn answered(mut self, response: &Response<Body>, time: Duration) {
+        let path = std::mem::take(&mut self.path);
+        self.peer.gate.answered(self.peer.address, self.caller.as_ref(), &path, response, time);
+    }
+}
+
+impl Drop for Unanswered {
+    fn drop(&mut self) {
+        if !self.path.is_empty() {
+            self.peer.gate.unanswered(self.peer.address, self.caller.as_ref(), &self.path);
+        }
+    }
+}
