@@ -4,8 +4,9 @@
 //! used the least is next, and a run of the tenant that has used the most is suspended for it. Of one tenant, urgent
 //! jobs go first and others in the order of acceptance; a job that has waited long counts as more urgent. Two kinds go
 //! before these: jobs of the tenant whose run the host failed, when their time has come, and, one at a time, jobs that
-//! were running when the previous server died, which run alone for a while. A job that is held back keeps its place among the jobs that a tenant may
-//! let wait, but takes no turn. Invariant: a job is waiting, running or being stored, and never two of these.
+//! were running when the previous server died, which run alone for a while. A job that is held back keeps its place
+//! among the jobs that a tenant may let wait, but takes no turn. Invariant: a job is waiting, running or being stored,
+//! and never two of these.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Debug;

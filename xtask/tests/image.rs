@@ -87,14 +87,14 @@ echo "ok: starts"
 if inside $entry 2>"$1"/refusal; then exit 1; fi
 grep -q -e tls -e access "$1"/refusal || { cat "$1"/refusal; exit 1; }
 echo "ok: refuses strangers without identities"
-printf 'O1\nT0101\nG97 S1000 M3\nG0 X20. Z2.\nG1 Z-10. F0.2\nM30\n' > "$tree"/tmp/part.nc
+printf 'O1\nT0101\nG97 S1000 M3\nG0 X20. Z2.\nG1 Z-10. F0.2\nM30\n' > "$tree"/part.nc
 export COUNTERPOINT_LISTEN=127.0.0.1:0 COUNTERPOINT_METRICS=127.0.0.1:0
 chroot --userspec="$user" "$tree" $entry > "$1"/address 2> "$1"/log &
 server=$!
 while ! grep -q listening "$1"/address; do kill -0 $server || { cat "$1"/log; exit 1; }; done
 address=$(sed -n 's|.*listening on \(http://[0-9.:]*\).*|\1|p' "$1"/address)
-job=$(inside /usr/local/bin/counterpoint submit --server "$address" --machine fanuc-lathe /tmp/part.nc)
-inside /usr/local/bin/counterpoint wait --server "$address" "$job"
+job=$(inside "${entry%d}" submit --server "$address" --machine fanuc-lathe /part.nc)
+inside "${entry%d}" wait --server "$address" "$job"
 echo "ok: runs a job"
 kill -TERM $server
 wait $server

@@ -463,7 +463,7 @@ async fn reflection_can_be_switched_off_and_needs_an_identity() {
     }
 }
 
-/// Names of the tests in a source that an ordinary run executes.
+/// Names of the tests in a source that are not ignored.
 fn tests_of(source: &str) -> BTreeSet<String> {
     let (mut names, mut is_test, mut ignored) = (BTreeSet::new(), false, false);
     for line in source.lines().map(str::trim_start) {
@@ -504,7 +504,7 @@ fn the_threat_model_names_its_tests() {
         let names: Vec<&str> = named.split('`').skip(1).step_by(2).collect();
         assert!(!names.is_empty(), "no test: {row}");
         for name in names {
-            assert!(tests.contains(name), "there is no test {name} that an ordinary run executes");
+            assert!(tests.contains(name), "`cargo test` runs no test {name}");
         }
         count += 1;
     }

@@ -94,8 +94,8 @@ impl Hole<'_> {
         self.rapid_absolute(levels.start);
         let mut done = 0.0;
         for _ in 0..MOST_STROKES {
-            let slower = done == 0.0 && factor != 1.0;
-            if slower {
+            let own_feed = done == 0.0 && factor != 1.0;
+            if own_feed {
                 self.set_feed(feed * factor);
             } else if done > 0.0 && clears {
                 self.rapid(levels.at(done - lead));
@@ -104,7 +104,7 @@ impl Hole<'_> {
             let is_last = done >= total - NEGLIGIBLE;
             done = if is_last { total } else { done };
             self.feed(levels.at(done));
-            if slower {
+            if own_feed {
                 self.set_feed(feed);
             }
             if is_last {
