@@ -186,6 +186,7 @@ async fn questions_are_watched_and_answered_without_a_stream_of_the_client() {
     let watch = |job_id: &str| v1::WatchQuestionsRequest { job_id: job_id.into() };
     let mut heard = server.operator().watch_questions(watch(&job)).await.unwrap().into_inner();
     let mut other = Person::attend(&server, &job).await;
+    assert_eq!(other.question().await.0, 1);
     let mut hear = async || {
         let message = tokio::time::timeout(std::time::Duration::from_secs(20), heard.message());
         message.await.expect("in time").unwrap().expect("not the end").content.unwrap()
@@ -208,7 +209,6 @@ async fn questions_are_watched_and_answered_without_a_stream_of_the_client() {
     let Content::Ended(status) = hear().await else { panic!("the job must have ended") };
     assert_eq!(status.state(), v1::JobState::Succeeded);
     assert_eq!(said(&server, &job).await, ["Clamp: OK", "Turn: -"]);
-    assert_eq!(other.question().await.0, 1);
     assert!(!say(2, press("OK")).await, "the job has ended");
     let mut late = server.operator().watch_questions(watch(&job)).await.unwrap().into_inner();
     assert!(matches!(late.message().await.unwrap().unwrap().content, Some(Content::Ended(_))));
