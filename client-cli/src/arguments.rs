@@ -251,6 +251,9 @@ pub(crate) struct Submit {
     /// of the programs
     #[arg(long)]
     pub(crate) each: bool,
+    /// Run the job even if the server keeps the results of an equal one
+    #[arg(long)]
+    pub(crate) no_cache: bool,
     /// Print the id as JSON
     #[arg(long)]
     pub(crate) json: bool,

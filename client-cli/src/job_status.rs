@@ -68,5 +68,8 @@ pub(crate) fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     if !job.rerun_of.is_empty() {
         add("rerun_of", job.rerun_of.clone().into());
     }
+    if !job.reused_from.is_empty() {
+        add("reused_from", job.reused_from.clone().into());
+    }
     json
 }

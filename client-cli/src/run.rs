@@ -62,7 +62,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let stepped = arguments.inputs.operator.step;
     let person = !stepped && !piped && std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let attended = arguments.inputs.operator.attend || person && !arguments.quiet && !arguments.json;
-    let job = submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, lint: false }).await;
+    let job = submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, ..Submission::default() }).await;
     let job = job.map_err(at(Stage::Submission))?;
     let status = follow(&client, &job, (arguments.quiet, attended, stepped)).await.map_err(at(Stage::Submission))?;
     if let Some(code) = not_run(&status) {
@@ -126,19 +126,20 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     }
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
-    let job = submit_one(&client, &arguments.inputs, pack, jobs::request(&arguments.request)).await?;
+    let job = submit_one(&client, &arguments, pack, jobs::request(&arguments.request)).await?;
     jobs::say_id(&job, arguments.json)?;
     Ok(0)
 }
 
 async fn submit_one(
     client: &Client,
-    inputs: &Inputs,
+    Submit { inputs, no_cache, .. }: &Submit,
     pack: pack::Pack,
     request: v1::SubmitJobRequest,
 ) -> Result<String, Error> {
     let name = machine(client, inputs, &pack, false).await?;
-    let submission = Submission { request, attended: inputs.operator.attend, lint: false };
+    let submission =
+        Submission { request, attended: inputs.operator.attend, no_cache: *no_cache, ..Submission::default() };
     submit_pack(client, inputs, pack, name, submission).await
 }
 
@@ -154,7 +155,7 @@ async fn submit_each(mut arguments: Submit) -> Result<u8, Error> {
             v1::SubmitJobRequest { request_id: format!("{id}-{number}"), ..jobs::request(&arguments.request) };
         arguments.inputs.programs = vec![program.clone()];
         let done = match pack::job(&arguments.inputs) {
-            Ok(pack) => submit_one(&client, &arguments.inputs, pack, request).await,
+            Ok(pack) => submit_one(&client, &arguments, pack, request).await,
             Err(error) => Err(error),
         };
         match done {
@@ -215,12 +216,15 @@ async fn changed(client: &Client, machine: &str, inputs: &Inputs, quiet: bool) -
 }
 
 /// How a job is submitted.
+#[derive(Default)]
 pub(crate) struct Submission {
     pub(crate) request: v1::SubmitJobRequest,
     /// Whether an operator answers its dialogs.
     pub(crate) attended: bool,
     /// It is judged without being run.
     pub(crate) lint: bool,
+    /// It runs even if the results of an equal job are there.
+    pub(crate) no_cache: bool,
 }
 
 pub(crate) async fn submit_pack(
@@ -228,7 +232,7 @@ pub(crate) async fn submit_pack(
     inputs: &Inputs,
     pack: pack::Pack,
     machine: String,
-    Submission { request, attended, lint }: Submission,
+    Submission { request, attended, lint, no_cache }: Submission,
 ) -> Result<String, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     client.upload(&pack.files.blobs()).await?;
@@ -260,6 +264,7 @@ pub(crate) async fn submit_pack(
             lint,
             warnings_off: settings::warnings(&inputs.on.set, false),
             warnings_on: settings::warnings(&inputs.on.set, true),
+            no_cache,
         }),
         ..request
     };

@@ -57,6 +57,7 @@ fn shown(job: &v1::JobStatus, pinned: &str, now_ms: i64) -> String {
         ("deadline", utc(job.deadline_ms)),
         ("attempts", count(job.attempt)),
         ("rerun of", job.rerun_of.clone()),
+        ("results of", job.reused_from.clone()),
         ("cycle time", if job.ended_ms > 0 { time(job.makespan_ns) } else { String::new() }),
         ("cause", if cause == "unspecified" { String::new() } else { cause }),
         ("verdict", job.verdict.clone()),

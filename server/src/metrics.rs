@@ -31,6 +31,7 @@ pub(crate) const TABLE: &[(&str, &str, &str)] = &[
     ("counterpoint_pauses_total", "counter", "Times that reading from a connection stopped after `RATE_LIMITED`"),
     ("counterpoint_jobs_accepted_total", "counter", "Jobs accepted"),
     ("counterpoint_jobs_ended_total", "counter", "Jobs ended, by `state`"),
+    ("counterpoint_jobs_reused_total", "counter", "Jobs that got the results of an equal job instead of a run"),
     ("counterpoint_runs_failed_by_host_total", "counter", "Runs that the host failed; their jobs run again"),
     ("counterpoint_suspensions_total", "counter", "Times that a run was suspended for other tenants"),
     (
@@ -156,6 +157,8 @@ impl Drop for WaitingCall {
 pub(crate) struct Jobs {
     pub(crate) accepted: Counter,
     ended: Family<One, Counter>,
+    /// They got the results of an equal job.
+    pub(crate) reused: Counter,
     pub(crate) failed_by_host: Counter,
     /// Times that a run was suspended.
     pub(crate) suspended: Counter,
@@ -255,6 +258,7 @@ impl Metrics {
         register(all, "counterpoint_pauses_total", rates.pauses.clone());
         register(all, "counterpoint_jobs_accepted_total", jobs.accepted.clone());
         register(all, "counterpoint_jobs_ended_total", jobs.ended.clone());
+        register(all, "counterpoint_jobs_reused_total", jobs.reused.clone());
         register(all, "counterpoint_runs_failed_by_host_total", jobs.failed_by_host.clone());
         register(all, "counterpoint_suspensions_total", jobs.suspended.clone());
         register(all, "counterpoint_limits_reached_total", jobs.limits.clone());

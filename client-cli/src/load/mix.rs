@@ -116,7 +116,9 @@ impl Mix {
 }
 
 fn job(row: Row, folder: &Path, bad: &dyn Fn(String) -> Error) -> Result<Job, Error> {
-    let mut request = v1::SubmitJobRequest { machine: row.machine, ..Default::default() };
+    // Each job runs, although all of a row are equal.
+    let options = Some(v1::JobOptions { no_cache: true, ..Default::default() });
+    let mut request = v1::SubmitJobRequest { machine: row.machine, options, ..Default::default() };
     let mut blobs = Vec::new();
     let mut add = |path: String, content: Vec<u8>| {
         let blob = Blob::new(content);

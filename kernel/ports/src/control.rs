@@ -1,7 +1,7 @@
 //! The control handle of a running job: cancel, live progress, the source of answers to dialogs, the resources that the
 //! job has used and reached, and the test hook that disturbs scheduling.
 
-use std::sync::atomic::{AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
@@ -26,6 +26,7 @@ pub struct Control {
     console: Option<Arc<dyn Console>>,
     used: Used,
     reached: OnceLock<Limit>,
+    outside: AtomicBool,
 }
 
 /// Processor time of the threads that a run has started.
@@ -171,6 +172,18 @@ impl Control {
     #[must_use]
     pub fn reached(&self) -> Option<Limit> {
         self.reached.get().copied()
+    }
+
+    /// Notes that the run depends on more than the job: an operator was asked, or the operating system was given a
+    /// command.
+    pub fn note_outside(&self) {
+        self.outside.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the run depends on more than the job. A run that does not would have the same log again.
+    #[must_use]
+    pub fn used_outside(&self) -> bool {
+        self.outside.load(Ordering::Relaxed)
     }
 
     /// Asks the job to stop; it ends soon after with its channels `STOPPED`.

@@ -99,6 +99,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         .into(),
         rerun_of: record.asked.rerun_of,
         machine_guess: record.asked.guess,
+        reused_from: record.reuse.from,
         paused: record.paused,
         limit: limit(record.runs.reached).into(),
         cpu_us: record.runs.cpu_us,
@@ -192,6 +193,7 @@ pub(crate) fn options(record: &Record, work: &Work) -> v1::JobOptions {
         } as i32,
         warnings_off,
         warnings_on,
+        no_cache: record.asked.no_cache,
     }
 }
 

@@ -19,6 +19,7 @@ mod observe;
 pub(crate) mod operator;
 pub(crate) mod progress;
 mod recent;
+mod reuse;
 pub(crate) mod shares;
 mod sink;
 pub(crate) mod step;

@@ -27,12 +27,13 @@ use super::ends::End;
 use super::files::Sandbox;
 use super::limits::Stopped;
 use super::live::{Live, Run};
+use super::reuse;
 use super::sink::JobSink;
 use super::system::Shell;
 use crate::cpu;
 use crate::ledger::record::{Cause, Reached, Record, State, Work, now_ms};
 use crate::log::Logs;
-use crate::log::writer::{Ended, Small, Writer};
+use crate::log::writer::{Ended, Place, Small, Writer};
 use crate::machines::Definition;
 use crate::pace::Pace;
 use crate::reason::Refusal;
@@ -66,6 +67,7 @@ fn work(core: &Arc<Core>, live: &Arc<Live>) {
     let used = || cpu::of_this_thread().saturating_sub(begin) + live.cpu();
     let work = || match run(core, live)? {
         Ran::Over(change) => Ok(Some((change, None))),
+        Ran::Reused(change, log) => Ok(Some((change, log))),
         Ran::Through(through) => through.store(core, live).map(Some),
         Ran::Paused => Ok(None),
     };
@@ -80,7 +82,7 @@ fn work(core: &Arc<Core>, live: &Arc<Live>) {
 }
 
 /// Change of a record at the end of a run.
-type Change = Box<dyn FnOnce(&mut Record)>;
+pub(super) type Change = Box<dyn FnOnce(&mut Record)>;
 
 fn failed(error: String) -> Change {
     Box::new(|record| {
@@ -183,6 +185,8 @@ struct Through {
     limit: String,
     reached: Option<Reached>,
     writer: Option<Writer>,
+    /// Digest for equal jobs; empty if they may not use these results.
+    digest: String,
 }
 
 /// A run that is over.
@@ -190,11 +194,13 @@ enum Ran {
     /// Nothing is to be stored but the state.
     Over(Change),
     Through(Box<Through>),
+    /// The results of an equal job have been copied.
+    Reused(Change, Option<Small>),
     /// The job is held back.
     Paused,
 }
 
-fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
+fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     let work = core.work(&live.id)?;
     // A run that takes the server down has left its mark.
     core.host.mark(&live.id, live.record().runs.attempt + 1)?;
@@ -204,16 +210,20 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     });
     core.changed(live);
     let or_most = |asked: u64, most: u64| if asked == 0 { most } else { asked.min(most) };
-    live.set_limits(
-        or_most(record.runs.wall_ms, core.options.maxima.max_wall_ms),
-        or_most(record.runs.max_job_bytes, core.options.maxima.max_job_bytes),
-        record.asked.deadline_ms,
-    );
+    let wall_ms = or_most(record.runs.wall_ms, core.options.maxima.max_wall_ms);
+    let max_job_bytes = or_most(record.runs.max_job_bytes, core.options.maxima.max_job_bytes);
+    live.set_limits(wall_ms, max_job_bytes, record.asked.deadline_ms);
     live.check_clock(Instant::now());
     // A cancel that came while the job waited for another run.
     let stop = live.stop();
     if live.cancelled() || live.reached().is_some() {
         stop.ask();
+    }
+    let digest = reuse::digest_of(core, &record, &work, wall_ms, max_job_bytes);
+    if let Some(digest) = digest.as_ref().filter(|_| !stop.asked())
+        && let Some((change, log)) = reuse::take(core, live, &record, digest)?
+    {
+        return Ok(Ran::Reused(change, log));
     }
     let Work { machine, files, options, answers } = work;
     let files = Sandbox::new(core.blobs.of(&record.tenant), files);
@@ -271,7 +281,8 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
         None => (control.reached().map(Reached::from), String::new()),
     };
     let finished = Finished::new(builder.finish(&outcome), written, &limit);
-    Ok(Ran::Through(Box::new(Through { outcome, finished, limit, reached, writer })))
+    let digest = digest.filter(|_| reached.is_none() && !control.used_outside()).unwrap_or_default();
+    Ok(Ran::Through(Box::new(Through { outcome, finished, limit, reached, writer, digest })))
 }
 
 /// The run was stopped although its job has not ended: by a drain or a pause.
@@ -282,7 +293,7 @@ fn interrupted(core: &Core) -> Ran {
 impl Through {
     /// Stores log and results; a log that is small goes into the ledger with the end of the job.
     fn store(self, core: &Arc<Core>, live: &Live) -> Result<(Change, Option<Small>), Refusal> {
-        let Self { outcome, finished, limit, reached, writer } = self;
+        let Self { outcome, finished, limit, reached, writer, digest } = self;
         let bytes = writer.as_ref().map_or(0, Writer::bytes);
         let has_files = !finished.files.is_empty();
         let (log, mut place) = match writer.map(Writer::finish).transpose()? {
@@ -294,13 +305,7 @@ impl Through {
         let finished = Finished { log: log.as_ref().map(|log| log.bytes.clone()), ..finished };
         let (finished, stored_bytes) = keep(core, live, finished, bytes)?;
         let stored_bytes = stored_bytes.saturating_sub(bytes) + packed;
-        if place.is_some() || has_files {
-            // The rest is waiting for the disk.
-            core.leave(live);
-            core.pump();
-            place.map_or(Ok(()), |place| place.seal())?;
-            core.logs.sync(&live.id)?;
-        }
+        seal(core, live, place, has_files)?;
         let verdict = finished.results.summary.verdict.as_ref();
         let own_limit = verdict.is_some_and(|verdict| verdict.kind == VerdictKind::Limit);
         let cause = if reached.is_some() || own_limit { Cause::Limit } else { Cause::Program };
@@ -321,9 +326,30 @@ impl Through {
             record.log_digest.clone_from(&summary.log_digest);
             record.highest_severity = summary.highest_severity;
             record.verdict = summary.verdict.as_ref().map_or_else(String::new, |verdict| verdict.text.clone());
+            record.reuse.digest = digest;
+            if !record.log_is_final() {
+                record.reuse.digest.clear();
+            }
         });
         Ok((change, log))
     }
+}
+
+/// Makes log and files of a job durable.
+pub(super) fn seal(
+    core: &Arc<Core>,
+    live: &Live,
+    place: Option<Box<dyn Place>>,
+    has_files: bool,
+) -> Result<(), Refusal> {
+    if place.is_some() || has_files {
+        // The rest is waiting for the disk.
+        core.leave(live);
+        core.pump();
+        place.map_or(Ok(()), |place| place.seal())?;
+        core.logs.sync(&live.id)?;
+    }
+    Ok(())
 }
 
 /// Unusable parts of a job, and the reasons.
@@ -355,7 +381,7 @@ fn prepare_with(
 }
 
 /// Bytes of a log from which on results are stored; those of a smaller one are made from it on request.
-const RESULTS_FROM: u64 = 1 << 20;
+pub(super) const RESULTS_FROM: u64 = 1 << 20;
 
 /// Stores the results that take time to make from the log, and keeps all results in memory for a while. `bytes`: of the
 /// log. Also returns the bytes of log, files and results.

@@ -233,6 +233,9 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// The job of a tenant that was accepted under a request id.
     fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<Record>, Refusal>;
 
+    /// The job of a tenant that ended last with a digest of all that its results depend on.
+    fn equal(&self, tenant: &str, digest: &str) -> Result<Option<Record>, Refusal>;
+
     /// A page of jobs. It takes a bounded time, however many jobs there are and however few are wanted.
     fn jobs(&self, query: &Query) -> Result<Page, Refusal>;
 

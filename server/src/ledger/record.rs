@@ -211,9 +211,24 @@ pub struct Asked {
     /// The signs by which its machine was guessed; empty = the client named it.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub guess: String,
+    /// It runs even if the results of an equal job are there.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub no_cache: bool,
     /// Limits of the kernel that were requested, 0 = none; absent = none at all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
+}
+
+/// Results shared with equal jobs.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Reuse {
+    /// Digest of all that its results depend on, once equal jobs may use them; empty = they may not.
+    #[serde(rename = "result_digest", skip_serializing_if = "String::is_empty")]
+    pub digest: String,
+    /// The job whose run has made its results; empty = a run of its own.
+    #[serde(rename = "reused_from", skip_serializing_if = "String::is_empty")]
+    pub from: String,
 }
 
 /// Start of the digest of a content that covers only the client's request. Earlier digests also covered defaults of the
@@ -263,6 +278,9 @@ pub struct Record {
     /// Further requests.
     #[serde(flatten)]
     pub asked: Asked,
+    /// Its results, if they are shared.
+    #[serde(flatten)]
+    pub reuse: Reuse,
     /// State.
     pub state: State,
     /// Its runs.
@@ -320,6 +338,7 @@ impl Record {
             attended: work.options.attended,
             stepped: work.options.stepped,
             asked: Asked::default(),
+            reuse: Reuse::default(),
             state: State::Queued,
             runs: Runs::default(),
             cancel: false,

@@ -74,7 +74,6 @@ pub(crate) struct Writer {
 impl Writer {
     /// Starts the log of a job at a place. The head contains the encoded description of the job.
     pub(crate) fn new(job: &str, place: Box<dyn Place>, tail: Arc<Tail>, info: &Info, description: &[u8]) -> Self {
-        let sums = Sums::of_log(job);
         let mut axes = Vec::new();
         for channel in &info.channels {
             let number = usize::from(channel.number);
@@ -85,6 +84,13 @@ impl Writer {
                 *slot = channel.axes.len();
             }
         }
+        Self { axes, ..Self::of_copy(job, place, tail, description) }
+    }
+
+    /// Starts the log of a job that gets the events of another one as they are.
+    pub(crate) fn of_copy(job: &str, place: Box<dyn Place>, tail: Arc<Tail>, description: &[u8]) -> Self {
+        let sums = Sums::of_log(job);
+        let axes = Vec::new();
         // It grows with its log: most are small.
         let mut buffer = Vec::with_capacity(SMALL / 2);
         buffer.extend_from_slice(MAGIC);
@@ -111,6 +117,15 @@ impl Writer {
             }
         }
         self.flush_old()
+    }
+
+    /// Appends an encoded batch behind the events that are there.
+    pub(crate) fn copy(&mut self, first: u64, last: u64, body: &[u8]) -> io::Result<()> {
+        self.close_record();
+        self.buffer.extend_from_slice(&Frame::of(self.sums, body, first, last).to_bytes());
+        self.buffer.extend_from_slice(body);
+        self.last_seq = last;
+        if self.buffer.len() >= WRITE_BYTES { self.write() } else { self.flush_old() }
     }
 
     /// Bytes of the log, written or not.

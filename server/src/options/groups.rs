@@ -131,6 +131,8 @@ group! {
         compact_bytes: u64 = 0, "COUNTERPOINT_COMPACT_BYTES", "BYTES";
         /// Seconds that a blob is kept which no job and no machine needs, from its last upload or question for it on
         blob_grace_s: u64 = 86_400, "COUNTERPOINT_BLOB_GRACE_S", "SECONDS";
+        /// Give a job the results of an equal job of its tenant, if that is kept, instead of a run
+        result_cache: bool = true, "COUNTERPOINT_RESULT_CACHE", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
         /// Seconds that an ended job is kept; 0 = without limit
         keep_s: u64 = 0, "COUNTERPOINT_KEEP_S", "SECONDS";
         /// Most ended jobs that are kept; 0 = without limit

@@ -35,6 +35,7 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
         deadline_ms: deadline(request.deadline_ms)?,
         rerun_of: String::new(),
         guess: String::new(),
+        no_cache: sent.no_cache,
         limits: asked_limits(&own)?,
     };
     let options = options(sent)?;
@@ -88,6 +89,7 @@ pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobReque
         deadline_ms: deadline(request.deadline_ms)?,
         rerun_of: earlier.id,
         guess: earlier.asked.guess,
+        no_cache: earlier.asked.no_cache,
         limits: earlier.asked.limits.clone().or_else(early),
     };
     let runs = Runs { wall_ms: earlier.runs.wall_ms, max_job_bytes: earlier.runs.max_job_bytes, ..Runs::default() };

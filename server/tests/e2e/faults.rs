@@ -9,9 +9,9 @@ use std::time::Duration;
 use counterpoint_proto::v1;
 use counterpoint_server::doctor;
 use counterpoint_server::local::disk::Disk;
-use counterpoint_server::options::Options;
 
 use crate::bad_disk::{BadDisk, Random, numbered};
+use crate::cache::caching;
 use crate::support::*;
 
 /// Kinds of jobs: a small log, a log in a file, one with stored results, files of macros, and a job that fails.
@@ -133,7 +133,9 @@ async fn drive(folder: &Path, seed: u64, power: bool, expected: &BTreeMap<&str, 
     let mut random = Random(seed);
     let disk = Arc::new(BadDisk::new(seed, power));
     let data = numbered(folder, seed);
-    let server = Server::start_on(Options { grace_s: 0, ..options(&data) }, Disk::faulty(disk.clone())).await;
+    // At every other seed equal jobs get the results of each other.
+    let options = |data: &Path| if seed % 2 == 1 { caching(data) } else { options(data) };
+    let server = Server::start_on(options(&data), Disk::faulty(disk.clone())).await;
     if power {
         disk.lose_power_after(10 + random.below(600));
     }

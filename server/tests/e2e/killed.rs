@@ -18,6 +18,7 @@ use counterpoint_server::service;
 use tonic::transport::{Channel, Endpoint};
 
 use crate::bad_disk::{BadDisk, Random};
+use crate::cache::caching;
 use crate::support::*;
 
 /// The data folder of [`serve`], and of a thousand steps of its disk this many fail.
@@ -39,7 +40,7 @@ fn patient() -> Maxima {
 async fn serve() {
     let (Ok(folder), Ok(faults)) = (std::env::var(FOLDER), std::env::var(FAULTS)) else { return };
     let disk = Arc::new(BadDisk::new(std::process::id().into(), false));
-    let options = Options { queue: 100_000, maxima: patient(), ..options(Path::new(&folder)) };
+    let options = Options { queue: 100_000, maxima: patient(), ..caching(Path::new(&folder)) };
     let service = service::build_on(options, Script::default(), Disk::faulty(disk.clone())).await.unwrap();
     disk.fail(faults.parse().unwrap());
     println!("\nlistening on {}", service.handle().url());
@@ -91,6 +92,8 @@ async fn load(channel: Channel, accepted: Accepted, asked: Arc<Mutex<Vec<u64>>>,
             machine: "fanuc-2path-lathe".into(),
             programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
             files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(content) }],
+            // Half of the jobs run, the others get the results of an equal one.
+            options: Some(v1::JobOptions { no_cache: number % 8 < 4, ..Default::default() }),
             ..Default::default()
         };
         let uploaded = blobs.upload(tokio_stream::iter([upload])).await;

@@ -14,6 +14,8 @@ mod admin;
 mod backup;
 #[cfg(target_os = "linux")]
 mod bad_disk;
+#[cfg(target_os = "linux")]
+mod cache;
 mod collect;
 #[cfg(target_os = "linux")]
 mod compact;

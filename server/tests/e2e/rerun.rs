@@ -37,6 +37,7 @@ fn everything() -> v1::JobOptions {
         races: v1::RaceCheck::Warn as i32,
         warnings_off: vec![2_900_680],
         warnings_on: vec![2_900_681],
+        no_cache: true,
     }
 }
 

@@ -28,7 +28,7 @@ use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
 use counterpoint_proto::v1::results_client::ResultsClient;
 use counterpoint_server::local::disk::Disk;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::{Options, Retention};
 use counterpoint_server::runner::{Prepared, Runner, Task};
 use counterpoint_server::service::{self, Handle};
 use sha2::{Digest, Sha256};
@@ -44,11 +44,14 @@ pub struct Script {
     pub asked: Arc<AtomicU64>,
     /// Limits of the job prepared last.
     pub limits: Arc<Mutex<Option<Limits>>>,
+    /// Jobs prepared.
+    pub prepared: Arc<AtomicU64>,
 }
 
 impl Default for Script {
     fn default() -> Self {
-        Self { hang: Arc::new(AtomicBool::new(true)), asked: Arc::default(), limits: Arc::default() }
+        let hang = Arc::new(AtomicBool::new(true));
+        Self { hang, asked: Arc::default(), limits: Arc::default(), prepared: Arc::default() }
     }
 }
 
@@ -60,6 +63,7 @@ struct Ready {
 
 impl Runner for Script {
     fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>> {
+        self.prepared.fetch_add(1, Ordering::SeqCst);
         *self.limits.lock().unwrap() = Some(task.options.limits.clone());
         let program = &task.programs[0];
         let read = files.read(&program.file);
@@ -243,6 +247,7 @@ impl Prepared for Ready {
                 ("BURN", ms) => burn(Duration::from_millis(ms.parse().unwrap())),
                 ("PANIC", _) => panic!("scripted"),
                 ("ASK", name) => {
+                    control.note_outside();
                     let dialog = Dialog { name: name.into(), title: name.into(), fields: vec![], buttons: vec![] };
                     let question =
                         Question { channel: 1, file: "main.nc", line: 1, dialog: &dialog, values: &[], problem: None };
@@ -265,6 +270,7 @@ impl Prepared for Ready {
                     }
                 }
                 ("SYSTEM", _) => {
+                    control.note_outside();
                     let text = if control.system().is_some() { "allowed" } else { "refused" };
                     let diagnostic = Diagnostic { number: 8, text: text.into(), ..Diagnostic::default() };
                     assert!(send(sink, seq, &[Event { kind: Kind::Diagnostic(Box::new(diagnostic)), ..event(seq) }]));
@@ -291,6 +297,8 @@ pub struct Server {
 
 pub fn options(data: &Path) -> Options {
     Options {
+        // Tests submit equal jobs to see them run.
+        retention: Retention { result_cache: false, ..Retention::default() },
         listen: "127.0.0.1:0".parse().unwrap(),
         data: data.to_owned(),
         grace_s: 0,

@@ -79,6 +79,7 @@ impl Kernel<'_> {
             let field = fields.iter().find(|field| field.variable == variable);
             field.is_some_and(|field| matches!(field.kind, FieldKind::Number { .. }))
         };
+        self.ports.control.note_outside();
         let operator = self.ports.control.operator();
         let place = self.channel.at.user_place();
         let (channel, file, line) = (self.channel.at.channel, self.channel.env.info.file_name(place.file), place.line);

@@ -27,6 +27,7 @@ impl Kernel<'_> {
         let Some(system) = control.system() else {
             return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
         };
+        control.note_outside();
         state.spend(TICKS)?;
         let written = match self.job_files(Mode::Read, |written| written.all()) {
             Ok(written) => written,

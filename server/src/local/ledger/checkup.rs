@@ -10,7 +10,7 @@ use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefi
 
 use super::writer::Place;
 use super::{
-    JOB, LOG, MACHINE, REQUEST, blob_refs, index, machine_bytes, parse, retention, schema, storage, usage, works,
+    JOB, LOG, MACHINE, REQUEST, blob_refs, equal, index, machine_bytes, parse, retention, schema, storage, usage, works,
 };
 use crate::ledger::record::{Record, Work};
 use crate::local::store::Store;
@@ -122,6 +122,7 @@ impl Checkup {
         rows.wrong_counts = stored != counts
             || retention::listed(&txn)? != ended
             || index::listed(&txn)? != index::expected(rows.jobs.iter())
+            || !equal::agree(&txn, &rows.jobs)?
             || !usage::agree(&txn, &rows.jobs)?
             || !machine_bytes::agree(&txn)?;
         Ok(rows)
@@ -164,6 +165,7 @@ impl Checkup {
         blob_refs::count_all(&txn)?;
         retention::list_all(&txn, store)?;
         index::list_all(&txn)?;
+        equal::list_all(&txn)?;
         usage::count_all(&txn)?;
         machine_bytes::count_all(&txn)?;
         txn.commit().map_err(storage)
@@ -204,6 +206,7 @@ pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &Store) -> Result<(
     copy_table(from, &txn, blob_refs::BLOB)?;
     copy_table(from, &txn, retention::ENDED)?;
     copy_table(from, &txn, index::INDEX)?;
+    copy_table(from, &txn, equal::EQUAL)?;
     copy_table(from, &txn, usage::USAGE)?;
     copy_table(from, &txn, machine_bytes::MACHINE_BYTES)?;
     txn.commit().map_err(storage)

@@ -12,7 +12,7 @@ use redb::{Key, ReadTransaction, ReadableDatabase as _, ReadableTableMetadata as
 
 use super::writer::{Place, Shared};
 use super::{
-    JOB, LOG, MACHINE, REQUEST, blob_refs, checkup, index, machine_bytes, retention, schema, storage, usage, works,
+    JOB, LOG, MACHINE, REQUEST, blob_refs, checkup, equal, index, machine_bytes, retention, schema, storage, usage, works,
 };
 use crate::ledger::Compacted;
 use crate::local::contained::contained;
@@ -45,6 +45,7 @@ pub(super) fn used_bytes(txn: &ReadTransaction) -> Result<u64, Refusal> {
         + used(txn, blob_refs::BLOB)?
         + used(txn, retention::ENDED)?
         + used(txn, index::INDEX)?
+        + used(txn, equal::EQUAL)?
         + used(txn, usage::USAGE)?
         + used(txn, machine_bytes::MACHINE_BYTES)?)
 }

@@ -6,6 +6,7 @@
 mod blob_refs;
 pub(crate) mod checkup;
 mod compact;
+mod equal;
 mod file;
 mod index;
 mod leaves;
@@ -364,6 +365,10 @@ impl Ledger for LocalLedger {
             Ok(id.map(|id| id.value().to_owned()))
         })?;
         id.map_or(Ok(None), |id| self.job(&id))
+    }
+
+    fn equal(&self, tenant: &str, digest: &str) -> Result<Option<Record>, Refusal> {
+        self.read(|txn| equal::find(txn, tenant, digest))
     }
 
     fn jobs(&self, query: &Query) -> Result<Page, Refusal> {

@@ -5,7 +5,7 @@
 use redb::{ReadableTable, TableHandle as _, WriteTransaction};
 use uuid::Uuid;
 
-use super::{JOB, LOG, REQUEST, Rows, blob_refs, index, retention, seal, storage, usage, works};
+use super::{JOB, LOG, REQUEST, Rows, blob_refs, equal, index, retention, seal, storage, usage, works};
 use crate::ledger::record::Record;
 use crate::reason::Refusal;
 use crate::tenant;
@@ -49,6 +49,7 @@ pub(super) fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal
     let bytes = record.runs.stored_bytes.saturating_add(works::bytes(txn, &record.id)?);
     let before = retention::list(txn, record, bytes)?;
     index::end(txn, record)?;
+    equal::add(txn, record)?;
     usage::ended(txn, record, bytes, before)
 }
 
@@ -64,6 +65,7 @@ pub(super) fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Resul
         .remove(tenant::key(&record.tenant, &record.request_id).as_str())
         .map_err(storage)?;
     index::remove(txn, &record)?;
+    equal::remove(txn, &record)?;
     usage::removed(txn, &record.tenant, bytes)?;
     match work {
         Some(work) => blob_refs::subtract(txn, &blob_refs::of_job(&record.tenant, &work)),

@@ -12,7 +12,7 @@ use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableHand
 
 use super::writer::Place;
 use super::{
-    JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, index, leaves, machine_bytes, retention, rows, schema, seal, storage,
+    JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, equal, index, leaves, machine_bytes, retention, rows, schema, seal, storage,
     usage, works,
 };
 use crate::ledger::record::Record;
@@ -284,6 +284,7 @@ impl Saved {
         blob_refs::count_all(&txn)?;
         retention::list_all(&txn, store)?;
         index::list_all(&txn)?;
+        equal::list_all(&txn)?;
         usage::count_all(&txn)?;
         machine_bytes::count_all(&txn)?;
         txn.commit().map_err(storage)

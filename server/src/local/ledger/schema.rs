@@ -5,7 +5,7 @@
 
 use redb::{ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 
-use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, index, machine_bytes, retention, seal, storage, usage, works};
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, equal, index, machine_bytes, retention, seal, storage, usage, works};
 use crate::ledger::record::now_ms;
 use crate::local::store::Store;
 use crate::reason::Refusal;
@@ -34,6 +34,8 @@ pub(super) fn migrate(txn: &WriteTransaction, store: &Store) -> Result<Option<u6
     txn.open_table(JOB).map_err(storage)?;
     txn.open_table(REQUEST).map_err(storage)?;
     txn.open_table(MACHINE).map_err(storage)?;
+    // A version without it leaves rows that name no job.
+    txn.open_table(equal::EQUAL).map_err(storage)?;
     let done = before.unwrap_or(1).saturating_sub(1);
     for step in STEPS.iter().skip(usize::try_from(done).unwrap_or(usize::MAX)) {
         step(txn, store)?;

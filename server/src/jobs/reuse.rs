@@ -1,0 +1,190 @@
+//! Results of an equal job in the place of a run.
+//!
+//! Jobs of one tenant are equal if they have the same machine with the same files, the same programs, files, options
+//! and limits, on the same version of the server. The later one gets a copy of the log and the files of the earlier
+//! one. *Invariants:* only a log that any other run would give again is copied (see [`Record::log_is_final`]), and
+//! only one that depends on nothing but the job; the copy has passed all checks of a reader. A job whose equal cannot be
+//! read runs.
+
+use std::io::Read as _;
+use std::sync::{Arc, LazyLock};
+
+use counterpoint_kernel::job::Program;
+use counterpoint_kernel::options::Options;
+use prost::Message as _;
+use serde::Serialize;
+
+use super::Core;
+use super::live::Live;
+use super::worker::{Change, RESULTS_FROM, seal};
+use crate::blobs::digest;
+use crate::ledger::record::{Record, Work};
+use crate::log::damage::{cut_short, gone};
+use crate::log::reader::Reader;
+use crate::log::writer::{Ended, Small, Writer};
+use crate::machines::Definition;
+use crate::reason::Refusal;
+use crate::results::Document;
+
+/// The version of the server and the digest of the sources that make results.
+static VERSION: LazyLock<String> =
+    LazyLock::new(|| format!("{} {}", env!("CARGO_PKG_VERSION"), env!("COUNTERPOINT_SOURCES")));
+
+/// All that the results of a job depend on.
+#[derive(Serialize)]
+struct Content<'a> {
+    version: &'a str,
+    machine: &'a Definition,
+    programs: &'a [Program],
+    files: &'a [(String, String)],
+    options: Options,
+    wall_ms: u64,
+    max_job_bytes: u64,
+    /// Whether macros may start commands.
+    system: bool,
+    /// Parts of the results that are kept.
+    kept: [bool; 2],
+}
+
+/// The digest of all that the results of a job depend on, with the limits of its run; none if results of this job are
+/// not shared.
+pub(super) fn digest_of(core: &Core, record: &Record, work: &Work, wall_ms: u64, max_job_bytes: u64) -> Option<String> {
+    let embedded = core.options.embedded;
+    if !core.options.retention.result_cache || embedded.ephemeral || record.attended || record.stepped {
+        return None;
+    }
+    let content = Content {
+        version: &VERSION,
+        machine: &work.machine,
+        programs: &record.programs,
+        files: &work.files,
+        // The log is the same for any number of threads.
+        options: Options { threads: 0, ..work.options.clone() },
+        wall_ms,
+        max_job_bytes,
+        system: core.options.system.allow_system && work.machine.trusted,
+        kept: [embedded.log, embedded.toolpath],
+    };
+    serde_json::to_vec(&content).ok().map(|content| digest(&content))
+}
+
+/// A job that ended with a digest, if a job with this record may use its results.
+fn equal(core: &Core, record: &Record, digest: &str) -> Option<Record> {
+    if record.asked.no_cache || !record.asked.rerun_of.is_empty() {
+        return None;
+    }
+    let found = core.ledger.equal(&record.tenant, digest);
+    let found = found.inspect_err(|error| tracing::warn!(%error, "the equal job cannot be read; the job runs"));
+    found.ok().flatten().filter(|found| found.log_is_final() && found.tenant == record.tenant)
+}
+
+/// Gives a job the results of an equal one; none if it has to run.
+///
+/// # Errors
+/// The copy cannot be stored.
+pub(super) fn take(
+    core: &Arc<Core>,
+    live: &Live,
+    record: &Record,
+    digest: &str,
+) -> Result<Option<(Change, Option<Small>)>, Refusal> {
+    let Some(from) = equal(core, record, digest) else { return Ok(None) };
+    let Some((stored_bytes, log)) = copy(core, live, &from)? else {
+        // Watchers of a copy that was given up stay at their cursors.
+        live.tail().begin_again();
+        core.logs.remove(&live.id)?;
+        return Ok(None);
+    };
+    core.metrics.jobs.reused.inc();
+    Ok(Some((of_equal(from, stored_bytes, digest.to_owned()), log)))
+}
+
+/// The change of a record that has got the results of another one.
+fn of_equal(from: Record, stored_bytes: u64, digest: String) -> Change {
+    Box::new(move |record| {
+        record.state = from.state;
+        (record.runs.cause, record.runs.has_files) = (from.runs.cause, from.runs.has_files);
+        (record.events, record.makespan_ns) = (from.events, from.makespan_ns);
+        (record.log_digest, record.verdict) = (from.log_digest, from.verdict);
+        record.highest_severity = from.highest_severity;
+        record.runs.stored_bytes = stored_bytes;
+        record.reuse.from = if from.reuse.from.is_empty() { from.id } else { from.reuse.from };
+        record.reuse.digest = digest;
+    })
+}
+
+/// The log of an ended job is damaged or has been removed.
+fn unreadable<T>(read: Result<T, Refusal>, from: &Record) -> Option<T> {
+    read.inspect_err(|error| {
+        tracing::warn!(%error, from = from.id, "the results of the equal job cannot be read; the job runs");
+    })
+    .ok()
+}
+
+/// Copies log, files and stored results of an ended job; returns their bytes and the log, if it is small. None if they
+/// cannot be read, or if the job is to end meanwhile.
+fn copy(core: &Arc<Core>, live: &Live, from: &Record) -> Result<Option<(u64, Option<Small>)>, Refusal> {
+    let files = match from.runs.has_files {
+        true => match unreadable(document(core, from, Document::Files), from) {
+            Some(files) => Some(files),
+            None => return Ok(None),
+        },
+        false => None,
+    };
+    let Some(writer) = copy_log(core, live, from)? else { return Ok(None) };
+    let bytes = writer.bytes();
+    let (log, mut place) = match writer.finish()? {
+        Ended::Small(log) => (Some(log), None),
+        Ended::Placed(place) => (None, Some(place)),
+    };
+    let mut stored = place.as_mut().map_or(Ok(bytes), |place| place.pack())?;
+    if let Some(files) = &files {
+        core.logs.write(&live.id, Document::Files.file(), files)?;
+        stored += files.len() as u64;
+    }
+    if bytes >= RESULTS_FROM {
+        // Those that are missing are made from the log on request.
+        for name in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
+            let Ok(content) = document(core, from, name) else { continue };
+            core.logs.write_spare(&live.id, name.file(), &content)?;
+            stored += content.len() as u64;
+        }
+    }
+    seal(core, live, place, files.is_some())?;
+    Ok(Some((stored, log)))
+}
+
+/// Copies the log of an ended job; none if it cannot be read, or if the job is to end meanwhile.
+fn copy_log(core: &Core, live: &Live, from: &Record) -> Result<Option<Writer>, Refusal> {
+    let open = || {
+        let Some(kept) = core.kept_log(&from.id)? else { return Err(gone(&from.id).into()) };
+        Ok(Reader::open_ended(&kept, 0)?)
+    };
+    let Some(mut reader) = unreadable(open(), from) else { return Ok(None) };
+    let head = reader.description().encode_to_vec();
+    let mut writer = Writer::of_copy(&live.id, core.logs.begin(&live.id)?, live.tail().clone(), &head);
+    let stop = live.stop();
+    let mut last = 0;
+    loop {
+        let read = match reader.next_batch() {
+            Ok(None) if last != from.events => Err(cut_short(&from.id, last, from.events)),
+            other => other,
+        };
+        match unreadable(read.map_err(Refusal::from), from) {
+            Some(Some(_)) if stop.asked_once_resumed() => return Ok(None),
+            Some(Some(batch)) => {
+                writer.copy(batch.first, batch.last, &batch.body)?;
+                last = batch.last;
+            }
+            Some(None) => return Ok(Some(writer)),
+            None => return Ok(None),
+        }
+    }
+}
+
+/// A result that is stored beside a log.
+fn document(core: &Core, from: &Record, document: Document) -> Result<Vec<u8>, Refusal> {
+    let mut content = Vec::new();
+    core.logs.open(&from.id, document.file())?.read_to_end(&mut content)?;
+    Ok(content)
+}

@@ -1,0 +1,76 @@
+//! Ended jobs by the digest of all that their results depend on.
+//!
+//! *Invariant:* a row is only a hint: the job that it names counts only if the job's own row, which has a checksum, has
+//! the same digest. So a row that is wrong or missing costs a run, and changes no result.
+
+use std::collections::BTreeMap;
+
+use redb::{ReadTransaction, ReadableTable as _, TableDefinition, WriteTransaction};
+
+use super::{JOB, parse, readable, storage};
+use crate::ledger::record::Record;
+use crate::reason::Refusal;
+use crate::tenant;
+
+/// Tenant and digest → the last job that ended with it.
+pub(super) const EQUAL: TableDefinition<'_, &str, &str> = TableDefinition::new("equal_jobs");
+
+/// The key of the row of a job; none if other jobs may not use its results.
+fn key(record: &Record) -> Option<String> {
+    let usable = record.state.ended() && !record.reuse.digest.is_empty();
+    usable.then(|| tenant::key(&record.tenant, &record.reuse.digest))
+}
+
+/// Notes a job that has ended.
+pub(super) fn add(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
+    if let Some(key) = key(record) {
+        txn.open_table(EQUAL).map_err(storage)?.insert(key.as_str(), record.id.as_str()).map_err(storage)?;
+    }
+    Ok(())
+}
+
+/// Forgets a job.
+pub(super) fn remove(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
+    let Some(key) = key(record) else { return Ok(()) };
+    let mut table = txn.open_table(EQUAL).map_err(storage)?;
+    let own = table.get(key.as_str()).map_err(storage)?.is_some_and(|id| id.value() == record.id);
+    if own {
+        table.remove(key.as_str()).map_err(storage)?;
+    }
+    Ok(())
+}
+
+/// The job of a tenant that ended last with a digest.
+pub(super) fn find(txn: &ReadTransaction, tenant: &str, digest: &str) -> Result<Option<Record>, Refusal> {
+    let row = tenant::key(tenant, digest);
+    let table = txn.open_table(EQUAL).map_err(storage)?;
+    let Some(id) = table.get(row.as_str()).map_err(storage)?.map(|id| id.value().to_owned()) else { return Ok(None) };
+    let jobs = txn.open_table(JOB).map_err(storage)?;
+    let job = jobs.get(id.as_str()).map_err(storage)?;
+    let job = job.map(|job| parse::<Record>(JOB, &id, job.value())).transpose()?;
+    Ok(job.filter(|job| job.id == id && key(job).as_ref() == Some(&row)))
+}
+
+/// Lists all jobs anew.
+pub(super) fn list_all(txn: &WriteTransaction) -> Result<(), Refusal> {
+    txn.open_table(EQUAL).map_err(storage)?.retain(|_, _| false).map_err(storage)?;
+    for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
+        let (id, row) = row.map_err(storage)?;
+        if let Some(record) = readable::<Record>(JOB, id.value(), row.value()) {
+            add(txn, &record)?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether each row names a job that has its digest.
+pub(super) fn agree(txn: &ReadTransaction, jobs: &[Record]) -> Result<bool, Refusal> {
+    let keys: BTreeMap<&str, String> = jobs.iter().filter_map(|job| Some((job.id.as_str(), key(job)?))).collect();
+    for row in txn.open_table(EQUAL).map_err(storage)?.iter().map_err(storage)? {
+        let (row, id) = row.map_err(storage)?;
+        if keys.get(id.value()).is_none_or(|key| key != row.value()) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
