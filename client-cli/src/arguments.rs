@@ -78,7 +78,7 @@ Examples:
   counterpoint explain M98 P --machine fanuc-mill
   counterpoint explain '#5021' --machine ./my-mill
   counterpoint explain CYCLE83 --machine siemens-mill --json
-  counterpoint explain G76                      which machines have the word
+  counterpoint explain G76                      list the machines that have the word
   counterpoint explain no-feed";
 
 const ANALYSE_EXAMPLES: &str = "\
@@ -114,9 +114,9 @@ pub(crate) enum Command {
     /// Follow a job to its end, or with --all the states of all jobs
     #[command(after_help = WATCH_EXAMPLES)]
     Watch(Watch),
-    /// Answer the dialogs of a job that was submitted with --attend
+    /// Answer the dialogs of a job submitted with --attend
     Attend(Follow),
-    /// Step through a job that was submitted with --step; commands as for `run --step`
+    /// Step through a job submitted with --step, with the commands of `run --step`
     Step(Follow),
     /// Wait for the end of a job
     Wait(Wait),
@@ -127,34 +127,34 @@ pub(crate) enum Command {
     Status(Status),
     /// Run a job again with its files, options and machine revision; print the new job's id
     Rerun(Rerun),
-    /// Ask a job to stop, or all jobs of a filter
+    /// Cancel a job, or all jobs that a filter selects
     #[command(after_help = CANCEL_EXAMPLES)]
     Cancel(Many),
-    /// Hold a job back until it is resumed; a run in progress is stopped
+    /// Pause a job until it is resumed; a run in progress is stopped
     Pause(JobArgs),
-    /// Let a paused job run, from its start
+    /// Resume a paused job; it runs from its start
     Resume(JobArgs),
-    /// Remove an ended job with its results, or all ended jobs of a filter
+    /// Delete an ended job with its results, or all ended jobs that a filter selects
     #[command(after_help = DELETE_EXAMPLES)]
     Delete(Many),
     /// Read a result of an ended job
     Result(ResultArgs),
-    /// Look after a server (role admin)
+    /// Administer a server (needs the role admin)
     #[command(subcommand)]
     Admin(Admin),
-    /// Put load on a server and report how it copes
+    /// Put load on a server and report rates, latencies and errors
     #[command(after_help = LOAD_EXAMPLES)]
     Load(crate::load::arguments::Load),
-    /// Check, list, show and compare machines, write one of your own, try its tape editor
+    /// Check, list, show and compare machines, create your own machine, try its tape editor
     #[command(subcommand)]
     Machine(Machine),
-    /// Check, rewrite, run and explain macros
+    /// Check, reformat, run and explain macros
     #[command(subcommand)]
     Macro(crate::macros::arguments::Macro),
     /// Show the causes of the cycle time: critical path over the channels, slack, cost of waits, gain of a change
     #[command(after_help = ANALYSE_EXAMPLES)]
     Analyse(Analyse),
-    /// Fit the times of a machine to measured times of the lines of a program, and report how good the fit is
+    /// Fit the times of a machine to measured times of program lines, and report the quality of the fit
     #[command(after_help = CALIBRATE_EXAMPLES)]
     Calibrate(Calibrate),
     /// Explain a word of a program on a machine, a diagnostic, an alarm, or a word of the macro language
@@ -201,10 +201,10 @@ pub(crate) struct Run {
     /// Show all sync points and diagnostics in the report, not only the first 20
     #[arg(long, short, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
-    /// Exit with code 1 after warnings, too
+    /// Exit with code 1 even if there are only warnings
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Choose the exit codes: plain (0 to 3), or severity (the highest severity of the run; 100 and above if the run
+    /// Select the exit codes: plain (0 to 3), or severity (the highest severity of the run; 100 and above if the run
     /// could not start)
     #[arg(long, value_enum, default_value = "plain", value_name = "FORM")]
     pub(crate) exit_code: ExitCodes,
@@ -247,8 +247,8 @@ pub(crate) struct Submit {
     pub(crate) remote: Remote,
     #[command(flatten)]
     pub(crate) request: RequestArgs,
-    /// Submit each program as a job of its own instead of one job with a channel for each; one id per line, in the order
-    /// of the programs
+    /// Submit each program as a separate job, instead of one job with a channel for each program; prints one id per
+    /// line, in the order of the programs
     #[arg(long)]
     pub(crate) each: bool,
     /// Run the job even if the server keeps the results of an equal one
@@ -271,7 +271,7 @@ pub(crate) struct Wait {
 
 #[derive(Debug, Args)]
 pub(crate) struct JobArgs {
-    /// The job: its id, or the beginning of it
+    /// Id of the job, or a prefix of it
     pub(crate) job: String,
     #[command(flatten)]
     pub(crate) remote: Remote,
@@ -285,25 +285,25 @@ pub(crate) struct JobArgs {
 pub(crate) struct Follow {
     #[command(flatten)]
     pub(crate) of: JobArgs,
-    /// Exit with code 1 after warnings, too
+    /// Exit with code 1 even if there are only warnings
     #[arg(long)]
     pub(crate) strict: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ResultArgs {
-    /// The job: its id, or the beginning of it
+    /// Id of the job, or a prefix of it
     pub(crate) job: String,
     /// Read this result
     #[arg(value_enum)]
     pub(crate) what: ResultKind,
-    /// Choose the channel of a listing, log, console or trace (0 = the merged listing or the console of all channels)
+    /// Select the channel of a listing, log, console or trace (0 = the merged listing or the console of all channels)
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u32,
     /// End the lines of a listing, log or console with CR and LF
     #[arg(long)]
     pub(crate) crlf: bool,
-    /// Choose the format of timeline and toolpath
+    /// Select the format of timeline and toolpath
     #[arg(long, value_enum, default_value = "svg")]
     pub(crate) format: Format,
     /// Write to this file instead of standard output; for `files` and `all`, to this folder
@@ -335,8 +335,8 @@ pub(crate) struct Analyse {
     /// input
     #[arg(value_name = "JOB|FILE|DIR|-")]
     pub(crate) of: String,
-    /// Compute the end of the job if a channel works this much faster (or slower, with +), such as 2:-2.5s; repeat for
-    /// other questions
+    /// Compute the end of the job if a channel works this much faster (or slower, with +), such as 2:-2.5s; can be
+    /// repeated
     #[arg(long, value_name = "CHANNEL:TIME")]
     pub(crate) what_if: Vec<String>,
     /// Print JSON
@@ -358,9 +358,9 @@ pub(crate) enum ResultKind {
     Timeline,
     Toolpath,
     Events,
-    /// The files that macros have written; without --output only their sizes and paths
+    /// Files that macros have written; without --output only their sizes and paths
     Files,
-    /// The report that `run` prints
+    /// Report that `run` prints
     Report,
     /// All results, written to the folder of --output
     All,
@@ -378,15 +378,15 @@ pub(crate) enum Format {
 pub(crate) enum Admin {
     /// List the connections of the server
     Connections(AdminArgs),
-    /// List the watches and how far they are behind
+    /// List the watches and their lag behind the logs
     Streams(AdminArgs),
-    /// List the jobs that run
+    /// List the running jobs
     Workers(AdminArgs),
-    /// Ask the server to shut down: running jobs end or are queued again
+    /// Shut the server down: running jobs end or are queued again
     Drain(AdminArgs),
-    /// Ask the server to remove expired jobs and unneeded blobs now
+    /// Remove expired jobs and unneeded blobs at once
     Collect(AdminArgs),
-    /// Ask the server to write its ledger anew without free space: submits wait until it is done
+    /// Rewrite the ledger without its free space; submits wait until this is done
     Compact(AdminArgs),
 }
 

@@ -8,18 +8,18 @@ use super::{Inputs, ProgramFiles};
 
 #[derive(Debug, Args)]
 pub(crate) struct Calibrate {
-    /// Run these programs, one per channel from left to right; the lines that were measured are those of the first;
-    /// - reads standard input, once
+    /// Run these programs, one per channel from left to right; the measured lines belong to the first program; - reads
+    /// standard input, once
     #[arg(required = true, value_name = "PROGRAM")]
     programs: Vec<String>,
-    /// Begin with the data of this machine: a name, or a folder with machine.toml
+    /// Start from the data of this machine: a name, or a folder with machine.toml
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: String,
-    /// Read measured times from this file: a table with the columns `line` and `seconds`, or `line` and `time` of
-    /// samples, or a document of MTConnect
+    /// Read measured times from this file: a table with the columns `line` and `seconds`, a table of samples with the
+    /// columns `line` and `time`, or an MTConnect document
     #[arg(long, value_name = "FILE")]
     pub(crate) measured: PathBuf,
-    /// Take the lines of this channel
+    /// Use the lines of this channel
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u16,
     #[command(flatten)]

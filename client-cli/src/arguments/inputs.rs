@@ -23,20 +23,20 @@ pub(crate) struct Inputs {
     /// Let these channels pass every sync point without waiting
     #[arg(long, value_delimiter = ',', value_name = "CHANNELS")]
     pub(crate) ignore_waits: Vec<u32>,
-    /// Report variables that two channels reach in an order that only timing decides: as a warning, or as an alarm that
-    /// stops the channel
+    /// Report variables that two channels access in an order that only timing decides: as a warning, or as an alarm
+    /// that stops the later channel
     #[arg(long, value_enum, default_value_t = RaceCheck::Warn, value_name = "off|warn|alarm", hide_possible_values = true)]
     pub(crate) races: RaceCheck,
-    /// Time moves at feed as the machine makes them, with acceleration, corners and look-ahead where its definition
-    /// gives them, or simply as length by feed
+    /// Compute the time of moves at feed in full, with the acceleration, corners and look-ahead of the machine
+    /// definition, or simply as length divided by feed
     #[arg(long, value_enum, default_value_t = Timing::Full, value_name = "full|simple", hide_possible_values = true)]
     pub(crate) time: Timing,
     /// Run at most this many channels in parallel (0 = all); results are identical for any value
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
-    /// Trace the steps of these letters: I input blocks, E edited blocks, W words, C codes and data, A actions, M code
-    /// and data macros, H other macros, S messages, X MDI and EXEC, Z files stored with the machine [without letters:
-    /// all]
+    /// Trace the steps selected by these letters: I input blocks, E edited blocks, W words, C codes and data, A
+    /// actions, M code and data macros, H other macros, S messages, X MDI and EXEC, Z files stored with the machine
+    /// [without letters: all]
     #[arg(
         long,
         value_name = "LETTERS",
@@ -57,7 +57,7 @@ pub(crate) struct Inputs {
     /// Stop the run at this simulated time, in seconds [default: 86400]
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,
-    /// Stop the run when a channel has executed this many blocks [default: 10000000]
+    /// Stop the run after a channel has executed this many blocks [default: 10000000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_blocks: Option<u64>,
     /// Stop the run when the variables, texts, files and results of the job need more than this memory, in MiB
@@ -75,8 +75,8 @@ pub(crate) struct ProgramFiles {
     /// UTF-16]
     #[arg(long, value_name = "NAME")]
     pub(crate) encoding: Option<Encoding>,
-    /// Name the program from standard input (-), for messages, results and the guess of the machine (default: standard
-    /// input)
+    /// Name the program from standard input (-), for messages, results and the guess of the machine [default: standard
+    /// input]
     #[arg(long, value_name = "FILE", value_parser = file_name)]
     pub(crate) name: Option<String>,
 }
@@ -94,17 +94,17 @@ fn file_name(text: &str) -> Result<String, String> {
 /// The machine of a job.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct On {
-    /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs, or refused if
-    /// they do not show it]
+    /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs; the job is
+    /// refused if no machine can be guessed]
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
-    /// Set a datum of the machine for this run (repeat for several): `waits=900-999`, the M codes that are waiting
-    /// codes; `numbers=increments`, coordinates without a decimal point count least increments; `system=B`, the G codes
+    /// Set a datum of the machine for this run; can be repeated: `waits=900-999`, the M codes that are waiting codes;
+    /// `numbers=increments`, coordinates without a decimal point count least increments; `system=B`, the G-code system
     /// of a lathe (A, B or C); `shared=500-549`, common variables that all channels share; `warn.2900680=off`, a
     /// warning by number or word, off or on
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<Setting>,
-    /// Take tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file
+    /// Read tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file
     /// with a column `number`
     #[arg(long, value_name = "FILE")]
     pub(crate) tools: Option<PathBuf>,
@@ -149,7 +149,7 @@ pub(crate) struct Attended {
 /// Switches of the operator's panel.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct Switches {
-    /// Switch optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
+    /// Set optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
     #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
     pub(crate) opskip: Levels,
     /// Stop at optional stops (M1)

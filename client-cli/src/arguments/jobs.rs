@@ -13,7 +13,7 @@ pub(crate) struct RequestArgs {
     /// Label the job; NAME alone is the label `name`; can be repeated
     #[arg(long = "label", value_name = "NAME|KEY=VALUE", value_parser = label)]
     pub(crate) labels: Vec<(String, String)>,
-    /// Say how urgent the job is among your own
+    /// Set the priority of the job among your own jobs
     #[arg(long, value_enum)]
     pub(crate) priority: Option<Priority>,
     /// Stop the job if it has not ended by then: a time from now (90s, 30m, 2h) or @ and seconds since 1970
@@ -66,7 +66,7 @@ fn span_or_time(text: &str) -> Result<When, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct Rerun {
-    /// The job to run again: its id, or the beginning of it
+    /// Id of the job to run again, or a prefix of it
     pub(crate) job: String,
     #[command(flatten)]
     pub(crate) remote: Remote,
@@ -80,31 +80,31 @@ pub(crate) struct Rerun {
 /// Which jobs.
 #[derive(Debug, Args)]
 pub(crate) struct JobFilter {
-    /// Choose only jobs in these states
+    /// Select only jobs in these states
     #[arg(long, value_enum, value_delimiter = ',')]
     pub(crate) state: Vec<State>,
-    /// Choose only jobs for this machine, a name or NAME@REVISION
+    /// Select only jobs for this machine, a name or NAME@REVISION
     #[arg(long, value_name = "NAME")]
     pub(crate) machine: Option<String>,
-    /// Choose only jobs with this label; NAME alone is the label `name`; can be repeated
+    /// Select only jobs with this label; NAME alone is the label `name`; can be repeated
     #[arg(long = "label", value_name = "NAME|KEY=VALUE", value_parser = label)]
     pub(crate) labels: Vec<(String, String)>,
-    /// Choose only jobs accepted since then: a time before now (90s, 30m, 2h, 7d) or @ and seconds since 1970
+    /// Select only jobs accepted since then: a time before now (90s, 30m, 2h, 7d) or @ and seconds since 1970
     #[arg(long, value_name = "TIME", value_parser = span_or_time)]
     pub(crate) since: Option<When>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Watch {
-    /// The job: its id, or the beginning of it
+    /// Id of the job, or a prefix of it
     #[arg(required_unless_present = "all")]
     pub(crate) job: Option<String>,
-    /// Follow the states of all jobs that the filter chooses, a line for each change, until interrupted
+    /// Follow the states of all jobs that the filter selects, with a line for each change, until interrupted
     #[arg(long, conflicts_with = "job")]
     pub(crate) all: bool,
     #[command(flatten)]
     pub(crate) filter: JobFilter,
-    /// Print JSON, one object per line, with --all
+    /// Print JSON, one object per line; needs --all
     #[arg(long, conflicts_with = "job")]
     pub(crate) json: bool,
     #[command(flatten)]
@@ -112,7 +112,7 @@ pub(crate) struct Watch {
     /// Print no progress
     #[arg(long, short)]
     pub(crate) quiet: bool,
-    /// Exit with code 1 after warnings, too
+    /// Exit with code 1 even if there are only warnings
     #[arg(long)]
     pub(crate) strict: bool,
 }
@@ -142,7 +142,7 @@ pub(crate) struct Jobs {
 
 #[derive(Debug, Args)]
 pub(crate) struct Status {
-    /// The job: its id, or the beginning of it
+    /// Id of the job, or a prefix of it
     pub(crate) job: String,
     /// Print JSON
     #[arg(long)]
@@ -154,7 +154,7 @@ pub(crate) struct Status {
 /// One job, or the jobs of a filter.
 #[derive(Debug, Args)]
 pub(crate) struct Many {
-    /// The job: its id, or the beginning of it
+    /// Id of the job, or a prefix of it
     #[arg(
         required_unless_present_any = ["state", "machine", "labels", "since", "all"],
         conflicts_with_all = ["state", "machine", "labels", "since", "all", "dry_run", "yes"],

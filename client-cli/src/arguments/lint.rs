@@ -15,7 +15,7 @@ pub(crate) struct Lint {
     on: On,
     #[command(flatten)]
     files: ProgramFiles,
-    /// Switch optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
+    /// Set optional block skip: off, on (for marks without a digit), or a list of levels such as 1,3
     #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
     opskip: Levels,
     /// Let these channels pass every sync point without waiting
@@ -30,7 +30,7 @@ pub(crate) struct Lint {
     /// Show all sync points and diagnostics in the report, not only the first 20
     #[arg(long, short, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
-    /// Exit with code 1 after warnings, too: also when a channel could not be judged to its end
+    /// Exit with code 1 even if there are only warnings; this includes a channel that cannot be checked to its end
     #[arg(long)]
     pub(crate) strict: bool,
 }

@@ -35,7 +35,7 @@ pub(crate) enum Machine {
         #[command(flatten)]
         at: At,
     },
-    /// Write a folder for a machine of your own, based on a shipped one
+    /// Write a folder for your own machine, based on a shipped machine
     New {
         /// Folder to write, which must not exist; its name is the name of the machine
         folder: PathBuf,
@@ -51,9 +51,9 @@ pub(crate) enum Machine {
         #[command(flatten)]
         at: At,
     },
-    /// Delete a machine of a server with all its revisions; jobs keep the revision they were submitted with
+    /// Delete a machine of a server with all its revisions; jobs keep the revision with which they were submitted
     Delete {
-        /// Its name
+        /// Name of the machine
         machine: String,
         #[command(flatten)]
         remote: Remote,
@@ -85,7 +85,7 @@ pub(crate) enum Machine {
         #[arg(long)]
         json: bool,
     },
-    /// Try the tape editor of a machine on lines: the line after every rule that changes it
+    /// Apply the tape editor of a machine to lines, and show the line after every rule that changes it
     #[command(after_help = EDIT_EXAMPLES)]
     Edit {
         /// Name of a shipped machine, or a folder with machine.toml
@@ -93,7 +93,7 @@ pub(crate) enum Machine {
         /// Lines to edit; - reads lines from standard input
         #[arg(value_name = "LINE", required = true)]
         lines: Vec<String>,
-        /// Try rules that are off at the start of a program, too
+        /// Also apply rules that are off at the start of a program
         #[arg(long)]
         all: bool,
         /// Print JSON
@@ -108,11 +108,11 @@ pub(crate) struct Rows {
     /// Sort the rows by a column of the table, such as word, code, order, group, name or file
     #[arg(long, value_name = "COLUMN")]
     pub(crate) sort: Option<String>,
-    /// Show only rows that have this text, in capital or small letters
+    /// Show only rows that contain this text, ignoring letter case
     #[arg(long, value_name = "TEXT")]
     pub(crate) filter: Option<String>,
-    /// Show only the keys that differ from the family that the machine extends, with both values; shipped machines and
-    /// folders only
+    /// Show only the keys that differ from the family that the machine extends, with both values (only for shipped
+    /// machines and folders)
     #[arg(long)]
     pub(crate) changed: bool,
 }
@@ -120,7 +120,7 @@ pub(crate) struct Rows {
 /// A server, or this program itself.
 #[derive(Debug, Args)]
 pub(crate) struct At {
-    /// Ask this server instead of using the shipped machines
+    /// Use the machines of this server instead of the shipped machines
     #[arg(long, env = "COUNTERPOINT_SERVER", value_name = "URL")]
     pub(crate) server: Option<String>,
 }

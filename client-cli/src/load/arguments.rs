@@ -16,19 +16,19 @@ pub(crate) struct Load {
     /// Submit this many jobs per second, regardless of how they end
     #[arg(long, value_name = "N", group = "pace", value_parser = rate)]
     pub(crate) rate: Option<f64>,
-    /// Let this many callers submit one job after the other; a caller follows a job that is watched to its end
+    /// Let this many callers submit one job after another; a caller follows a watched job to its end
     #[arg(long, value_name = "N", group = "pace", value_parser = count)]
     pub(crate) callers: Option<usize>,
-    /// Measure for this long (60s, 5m)
+    /// Measure for this time (60s, 5m)
     #[arg(long = "for", value_name = "TIME", default_value = "60s", value_parser = time)]
     pub(crate) time: Duration,
-    /// Submit for this long before measuring
+    /// Submit for this time before measuring
     #[arg(long, value_name = "TIME", default_value = "5s", value_parser = time)]
     pub(crate) warm_up: Duration,
     /// Stop after this many jobs
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<u64>,
-    /// Wait this long for the jobs that are in progress at the end
+    /// Wait at most this time for the jobs in progress at the end
     #[arg(long, value_name = "TIME", default_value = "30s", value_parser = time)]
     pub(crate) patience: Duration,
     /// Open this many connections [default: one per 100 callers; 4 with --rate]
@@ -37,10 +37,10 @@ pub(crate) struct Load {
     /// Delete each job after its end
     #[arg(long)]
     pub(crate) delete: bool,
-    /// Put load on a server on another machine
+    /// Allow load on a server on another machine
     #[arg(long)]
     pub(crate) allow_remote: bool,
-    /// Measure processor time, memory, descriptors, threads and data folder of this process [default: the one that
+    /// Measure processor time, memory, descriptors, threads and data folder of this process [default: the process that
     /// listens on the port of the server]
     #[arg(long, value_name = "PID")]
     pub(crate) server_pid: Option<u32>,
@@ -68,9 +68,9 @@ pub(crate) struct Output {
 
 /// Thresholds: exit code 1 if one is missed.
 #[derive(Debug, Default, Args)]
-#[command(next_help_heading = "Thresholds (exit code 1 when one is missed)")]
+#[command(next_help_heading = "Thresholds (exit code 1 if a threshold is missed)")]
 pub(crate) struct Thresholds {
-    /// Require 99 of 100 submits to be answered within this time (30ms)
+    /// Require an answer within this time (30ms) for 99 of 100 submits
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub(crate) max_p99_submit: Option<Duration>,
     /// Require 99 of 100 watched jobs to start within this time
@@ -89,13 +89,13 @@ pub(crate) struct Thresholds {
     /// third of the measured time to the last (medians)
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) max_growth: Option<f64>,
-    /// Require this many accepted jobs a second
+    /// Require this many accepted jobs per second
     #[arg(long, value_name = "N", value_parser = rate)]
     pub(crate) min_submits: Option<f64>,
-    /// Require this many ended watched jobs a second
+    /// Require this many ended watched jobs per second
     #[arg(long, value_name = "N", value_parser = rate)]
     pub(crate) min_ends: Option<f64>,
-    /// Require this many events a second
+    /// Require this many events per second
     #[arg(long, value_name = "N", value_parser = rate)]
     pub(crate) min_events: Option<f64>,
 }

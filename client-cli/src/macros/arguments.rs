@@ -24,8 +24,8 @@ pub(crate) enum Macro {
 
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// Check these files together; with --strong the last file is an ordinary macro and the files before it declare;
-    /// - reads standard input, once
+    /// Check these files together; with --strong the last file is an ordinary macro and the files before it are the
+    /// declaration macro; - reads standard input, once
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Print one JSON document
@@ -44,7 +44,7 @@ pub(crate) struct Fmt {
     /// Write in this style
     #[arg(long, value_enum, default_value = "standard")]
     pub(crate) style: Style,
-    /// Only list the files that would change; exit with code 1 if there are any
+    /// Only list the files that would change; exit with code 1 if a file would change
     #[arg(long)]
     pub(crate) check: bool,
     /// Print the result instead of writing files
@@ -57,7 +57,7 @@ pub(crate) struct Run {
     /// Load these macro files and run the last one; - reads standard input, once
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
-    /// Print the macro trace, too
+    /// Also print the macro trace
     #[arg(long)]
     pub(crate) trace: bool,
     /// Require declarations of these variables
