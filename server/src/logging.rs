@@ -16,10 +16,10 @@ use crate::output::{self, Lossy};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum LogFormat {
-    /// Lines for reading, in colours on a terminal
+    /// Lines for people to read, with colours on a terminal
     #[default]
     Text,
-    /// One JSON object in each line
+    /// One JSON object per line
     Json,
 }
 

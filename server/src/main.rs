@@ -17,10 +17,10 @@ use counterpoint_server::{logging, service, start_threads};
 #[derive(Debug, Parser)]
 #[command(name = "counterpointd", version)]
 struct Arguments {
-    /// Configuration file; flags and environment win over it
+    /// Configuration file; flags and environment override it
     #[arg(long, env = "COUNTERPOINT_CONFIG", value_name = "FILE.toml")]
     config: Option<PathBuf>,
-    /// Print the resulting configuration and stop
+    /// Print the resulting configuration and exit
     #[arg(long)]
     print_config: bool,
     #[command(flatten)]
@@ -31,37 +31,38 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Examine the data folder of a stopped server: show every damage with its remedy
+    /// Examine the data folder of a stopped server: list all damage with its remedies
     ///
-    /// Exit code: 0 = no damage is left, 1 = there is damage, 3 = the folder cannot be examined.
+    /// Exit code: 0 = no damage remains, 1 = there is damage or rows may be lost, 3 = the folder cannot be examined or
+    /// repaired.
     Doctor {
         /// Data folder
         #[arg(long, value_name = "FOLDER")]
         data: Option<PathBuf>,
-        /// Remove files that cannot be read or used
+        /// Remove data that cannot be read or used; write a new ledger if its file is damaged
         #[arg(long)]
         repair: bool,
     },
-    /// Copy the data folder, also that of a running server
+    /// Copy the data folder, even while a server uses it
     Backup {
-        /// New folder
+        /// New folder for the backup
         to: PathBuf,
         /// Data folder
         #[arg(long, value_name = "FOLDER")]
         data: Option<PathBuf>,
     },
-    /// Make a backup the data folder, which must be new or empty
+    /// Copy a backup to the data folder, which must be new or empty
     Restore {
-        /// The backup
+        /// Folder of the backup
         from: PathBuf,
-        /// Restore a backup with damages
+        /// Restore the backup even if it is damaged
         #[arg(long)]
         damaged: bool,
         /// Data folder
         #[arg(long, value_name = "FOLDER")]
         data: Option<PathBuf>,
     },
-    /// Make, list and revoke tokens of callers, in the file of identities
+    /// Create, list and revoke tokens in the file of identities
     #[command(subcommand)]
     Token(TokenCommand),
 }

@@ -28,17 +28,17 @@ pub use webhooks::Webhook;
 pub struct Options {
     /// Address to listen on; port 0 = any free port.
     pub listen: SocketAddr,
-    /// Folder of ledger, blobs, logs and results.
+    /// Data folder, with ledger, blobs, logs and results.
     pub data: PathBuf,
     /// Jobs that run at the same time; 0 = one per processor core.
     pub workers: usize,
-    /// Jobs that may wait in the queue.
+    /// Maximum number of jobs that wait in the queue.
     pub queue: usize,
-    /// Seconds that running jobs get to end after a stop signal.
+    /// Seconds that running jobs have to end after a stop signal.
     pub grace_s: u64,
     /// Free bytes on the disk of the data folder below which no run starts and no job or upload is accepted.
     pub min_free_bytes: u64,
-    /// Form of the log on standard error.
+    /// Format of the log on standard error.
     pub log_format: LogFormat,
     /// Permitted callers.
     #[serde(flatten)]
@@ -207,22 +207,22 @@ pub struct Flags {
     /// Address to listen on; port 0 = any free port
     #[arg(long, env = "COUNTERPOINT_LISTEN", value_name = "ADDRESS")]
     pub listen: Option<SocketAddr>,
-    /// Folder of ledger, blobs, logs and results
+    /// Data folder, with ledger, blobs, logs and results
     #[arg(long, env = "COUNTERPOINT_DATA", value_name = "FOLDER")]
     pub data: Option<PathBuf>,
     /// Jobs that run at the same time; 0 = one per processor core
     #[arg(long, env = "COUNTERPOINT_WORKERS", value_name = "N")]
     pub workers: Option<usize>,
-    /// Jobs that may wait in the queue
+    /// Maximum number of jobs that wait in the queue
     #[arg(long, env = "COUNTERPOINT_QUEUE", value_name = "N")]
     pub queue: Option<usize>,
-    /// Seconds that running jobs get to end after a stop signal
+    /// Seconds that running jobs have to end after a stop signal
     #[arg(long, env = "COUNTERPOINT_GRACE_S", value_name = "SECONDS")]
     pub grace_s: Option<u64>,
     /// Free disk space below which no run starts and no job or upload is accepted, bytes
     #[arg(long, env = "COUNTERPOINT_MIN_FREE_BYTES", value_name = "BYTES")]
     pub min_free_bytes: Option<u64>,
-    /// Form of the log on standard error
+    /// Format of the log on standard error
     #[arg(long, env = "COUNTERPOINT_LOG_FORMAT", value_enum, value_name = "FORMAT")]
     pub log_format: Option<LogFormat>,
     /// Guard

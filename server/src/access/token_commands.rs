@@ -22,33 +22,33 @@ const RELOAD: &str = "a running server reads the file on SIGHUP (systemctl reloa
 pub enum TokenCommand {
     /// Print a new token, and add its row to the file of identities, or print the row if there is no such file
     New {
-        /// Tenant that its caller belongs to
+        /// Tenant of the caller
         #[arg(long)]
         tenant: String,
-        /// Rights of its caller
+        /// Role of the caller
         #[arg(long, value_enum)]
         role: Role,
-        /// Name of its caller in the audit log
+        /// Name of the caller in the audit log
         #[arg(long, default_value = "token")]
         name: String,
-        /// Days until it expires [default: never]
+        /// Days until the token expires [default: never]
         #[arg(long, value_name = "N")]
         days: Option<u64>,
-        /// File of identities [default: that of the configuration]
+        /// File of identities [default: the file named in the configuration]
         #[arg(long, value_name = "FILE.toml")]
         access: Option<PathBuf>,
     },
-    /// List the tokens of the file of identities: beginning of the digest, name, tenant, role, expiry
+    /// List the tokens in the file of identities: digest prefix, name, tenant, role, expiry
     List {
-        /// File of identities [default: that of the configuration]
+        /// File of identities [default: the file named in the configuration]
         #[arg(long, value_name = "FILE.toml")]
         access: Option<PathBuf>,
     },
     /// Remove a token from the file of identities
     Revoke {
-        /// Its name, or the beginning of its digest (at least 8 digits), as `token list` shows them
+        /// Name of the token, or a prefix of its digest (at least 8 digits), as `token list` shows them
         token: String,
-        /// File of identities [default: that of the configuration]
+        /// File of identities [default: the file named in the configuration]
         #[arg(long, value_name = "FILE.toml")]
         access: Option<PathBuf>,
     },

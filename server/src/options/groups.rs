@@ -42,40 +42,40 @@ macro_rules! group {
 group! {
     /// The maxima of every request, and of all together.
     Maxima, MaximaFlags {
-        /// Largest blob, bytes
+        /// Maximum size of a blob, bytes
         max_blob_bytes: u64 = 256 << 20, "COUNTERPOINT_MAX_BLOB_BYTES", "BYTES";
-        /// Most files of one job or machine
+        /// Maximum number of files of one job or machine
         max_files: usize = 1000, "COUNTERPOINT_MAX_FILES", "N";
-        /// Most programs of one job
+        /// Maximum number of programs of one job
         max_programs: usize = 64, "COUNTERPOINT_MAX_PROGRAMS", "N";
-        /// Most running time of one run by the clock, ms; also the default of a job
+        /// Maximum wall-clock running time of one run, ms; also the default of a job
         max_wall_ms: u64 = 3_600_000, "COUNTERPOINT_MAX_WALL_MS", "MS";
-        /// Most bytes of a log, and of the files that macros of a job have written; also the default of a job
+        /// Maximum size of a log, and of the files that macros of a job have written, bytes; also the default of a job
         max_job_bytes: u64 = 4 << 30, "COUNTERPOINT_MAX_JOB_BYTES", "BYTES";
-        /// Most simulated time of a job, ns
+        /// Maximum simulated time of a job, ns
         max_simulated_ns: i64 = MOST.simulated_ns, "COUNTERPOINT_MAX_SIMULATED_NS", "NS";
-        /// Most blocks of a channel
+        /// Maximum blocks of a channel
         max_blocks: u64 = MOST.blocks, "COUNTERPOINT_MAX_BLOCKS", "N";
-        /// Most consecutive blocks of a channel that take no time
+        /// Maximum consecutive blocks of a channel that take no time
         max_zero_time_blocks: u64 = MOST.zero_time_blocks, "COUNTERPOINT_MAX_ZERO_TIME_BLOCKS", "N";
-        /// Most events of a channel
+        /// Maximum events of a channel
         max_events: u64 = MOST.events, "COUNTERPOINT_MAX_EVENTS", "N";
-        /// Longest block, bytes
+        /// Maximum length of a block, bytes
         max_block_length: usize = MOST.block_length, "COUNTERPOINT_MAX_BLOCK_LENGTH", "BYTES";
-        /// Deepest nesting of subprograms
+        /// Maximum nesting depth of subprograms
         max_nesting: u16 = MOST.nesting, "COUNTERPOINT_MAX_NESTING", "N";
-        /// Most diagnostics kept of a channel
+        /// Maximum diagnostics kept per channel
         max_diagnostics: u32 = MOST.diagnostics, "COUNTERPOINT_MAX_DIAGNOSTICS", "N";
-        /// Most memory for variables, texts, files and results of a job, bytes
+        /// Maximum memory for variables, texts, files and results of a job, bytes
         max_memory: u64 = 256 << 20, "COUNTERPOINT_MAX_MEMORY", "BYTES";
-        /// Most memory of jobs that have not ended, submits in progress and answers not yet sent, bytes; 0 = without
-        /// limit
+        /// Maximum memory of jobs that have not ended, submits in progress and answers not yet sent, bytes;
+        /// 0 = no limit
         memory_bytes: u64 = 512 << 20, "COUNTERPOINT_MEMORY_BYTES", "BYTES";
-        /// Runs begun before a job that takes the server down with it is given up
+        /// Number of server crashes while a job runs alone after which the job fails (error `poison`)
         attempts: u32 = 3, "COUNTERPOINT_ATTEMPTS", "N";
-        /// Most steps of macros of a channel
+        /// Maximum macro steps of a channel
         max_macro_steps: u64 = MOST.macro_steps, "COUNTERPOINT_MAX_MACRO_STEPS", "N";
-        /// Most bytes of all files of a machine
+        /// Maximum size of all files of a machine, bytes
         max_machine_bytes: u64 = 64 << 20, "COUNTERPOINT_MAX_MACHINE_BYTES", "BYTES";
     }
 }
@@ -83,65 +83,65 @@ group! {
 group! {
     /// Patience with connections, and how many there may be.
     Connections, ConnectionsFlags {
-        /// Seconds that a new connection gets to begin to speak HTTP/2
+        /// Seconds within which a new connection must start HTTP/2
         preface_s: u64 = 10, "COUNTERPOINT_PREFACE_S", "SECONDS";
         /// Seconds after which a connection without calls is closed
         idle_s: u64 = 300, "COUNTERPOINT_IDLE_S", "SECONDS";
-        /// Seconds that an upload or the request of another call may make no progress
+        /// Seconds for which an upload or the request of another call may stall
         upload_stall_s: u64 = 30, "COUNTERPOINT_UPLOAD_STALL_S", "SECONDS";
-        /// Most connections; fewer if the process may not have that many descriptors
+        /// Maximum connections; fewer if the process may not have that many descriptors
         max_connections: usize = 4096, "COUNTERPOINT_MAX_CONNECTIONS", "N";
-        /// Most connections of one address
+        /// Maximum connections of one address
         max_connections_per_address: usize = 1024, "COUNTERPOINT_MAX_CONNECTIONS_PER_ADDRESS", "N";
-        /// Most uploads at the same time
+        /// Maximum simultaneous uploads
         max_uploads: usize = 256, "COUNTERPOINT_MAX_UPLOADS", "N";
-        /// Most uploads of one connection at the same time
+        /// Maximum simultaneous uploads of one connection
         max_uploads_per_connection: usize = 32, "COUNTERPOINT_MAX_UPLOADS_PER_CONNECTION", "N";
-        /// Address on which monitoring gets /metrics, /livez and /readyz over HTTP, without an identity; empty = none
+        /// Address for monitoring (/metrics, /livez and /readyz over HTTP, without identities); empty = none
         metrics: String = String::new(), "COUNTERPOINT_METRICS", "ADDRESS";
-        /// Collector that gets a span of each job by OTLP over gRPC, such as http://127.0.0.1:4317; empty = none. Takes
-        /// a server built with the feature otlp
+        /// Collector that receives a span of each job by OTLP over gRPC, such as http://127.0.0.1:4317; empty = none;
+        /// needs a server built with the feature otlp
         otlp: String = String::new(), "COUNTERPOINT_OTLP", "URL";
     }
 }
 
 group! {
-    /// The quotas of one tenant; 0 = without limit.
+    /// The quotas of one tenant; 0 = no limit.
     Quotas, QuotasFlags {
-        /// Most jobs of one tenant that wait; 0 = without limit
+        /// Maximum waiting jobs of one tenant; 0 = no limit
         tenant_queued: usize = 0, "COUNTERPOINT_TENANT_QUEUED", "N";
-        /// Most jobs of one tenant that run at the same time, others wait; 0 = without limit
+        /// Maximum jobs of one tenant that run at the same time, its other jobs wait; 0 = no limit
         tenant_running: usize = 0, "COUNTERPOINT_TENANT_RUNNING", "N";
-        /// Most bytes of uploaded files, machines, and requests, logs, files and results of ended jobs of one tenant;
-        /// 0 = without limit
+        /// Maximum storage of one tenant, bytes: uploaded files, machines, and requests, logs, files and results of
+        /// ended jobs; 0 = no limit
         tenant_bytes: u64 = 0, "COUNTERPOINT_TENANT_BYTES", "BYTES";
-        /// Most uploads of one tenant at the same time; 0 = without limit
+        /// Maximum simultaneous uploads of one tenant; 0 = no limit
         tenant_uploads: usize = 0, "COUNTERPOINT_TENANT_UPLOADS", "N";
-        /// Seconds of processor time that jobs of one tenant may take on a day (UTC) until no more are accepted;
-        /// 0 = without limit
+        /// Processor time, seconds, that jobs of one tenant may use in a day (UTC); after that no more jobs are
+        /// accepted; 0 = no limit
         tenant_cpu_s: u64 = 0, "COUNTERPOINT_TENANT_CPU_S", "SECONDS";
     }
 }
 
 group! {
-    /// How long blobs that nothing needs and jobs that have ended are kept.
+    /// Retention of unneeded blobs and ended jobs.
     Retention, RetentionFlags {
-        /// Free bytes in the file of the ledger from which on it is compacted, if they are half of it; 0 = only on
+        /// Free bytes in the ledger file at which it is compacted, if they are at least half of the file; 0 = only on
         /// command
         compact_bytes: u64 = 0, "COUNTERPOINT_COMPACT_BYTES", "BYTES";
-        /// Seconds that a blob is kept which no job and no machine needs, from its last upload or question for it on
+        /// Seconds for which an unneeded blob is kept after its last upload or request with `FindMissing`
         blob_grace_s: u64 = 86_400, "COUNTERPOINT_BLOB_GRACE_S", "SECONDS";
         /// Give a job the results of an equal job of its tenant, if that is kept, instead of a run
         result_cache: bool = true, "COUNTERPOINT_RESULT_CACHE", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
-        /// Seconds that an ended job is kept; 0 = without limit
+        /// Seconds for which an ended job is kept; 0 = no limit
         keep_s: u64 = 0, "COUNTERPOINT_KEEP_S", "SECONDS";
-        /// Most ended jobs that are kept; 0 = without limit
+        /// Maximum ended jobs that are kept; 0 = no limit
         keep_jobs: u64 = 0, "COUNTERPOINT_KEEP_JOBS", "N";
-        /// Most bytes of logs, files and results of ended jobs that are kept; 0 = without limit
+        /// Maximum size of the kept logs, files and results of ended jobs, bytes; 0 = no limit
         keep_bytes: u64 = 0, "COUNTERPOINT_KEEP_BYTES", "BYTES";
-        /// Most ended jobs of one tenant that are kept; 0 = without limit
+        /// Maximum ended jobs of one tenant that are kept; 0 = no limit
         tenant_keep_jobs: u64 = 0, "COUNTERPOINT_TENANT_KEEP_JOBS", "N";
-        /// Most bytes of logs, files and results of the ended jobs of one tenant that are kept; 0 = without limit
+        /// Maximum size of the kept logs, files and results of the ended jobs of one tenant, bytes; 0 = no limit
         tenant_keep_bytes: u64 = 0, "COUNTERPOINT_TENANT_KEEP_BYTES", "BYTES";
     }
 }
@@ -155,19 +155,19 @@ group! {
         tls_cert: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_CERT", "FILE.pem";
         /// Key of the first certificate, PEM
         tls_key: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_KEY", "FILE.pem";
-        /// Certificates of the authorities for clients, PEM: clients without a certificate are not let in; empty = none
+        /// Certificates of the authorities for clients, PEM: clients without a certificate are refused; empty = none
         tls_client_ca: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_CLIENT_CA", "FILE.pem";
-        /// Listen on other addresses than loopback without encryption or without identities
+        /// Listen on addresses other than loopback without encryption or without identities
         insecure: bool = false, "COUNTERPOINT_INSECURE", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
-        /// Tell clients the contract (server reflection)
+        /// Offer the contract to clients (gRPC reflection)
         reflection: bool = true, "COUNTERPOINT_REFLECTION", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
-        /// Speak gRPC-Web too, over HTTP/1.1 and HTTP/2
+        /// Also speak gRPC-Web, over HTTP/1.1 and HTTP/2
         grpc_web: bool = false, "COUNTERPOINT_GRPC_WEB", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
-        /// Origins whose pages may call with gRPC-Web, with commas between; * = all; empty = pages of this server only
+        /// Origins whose pages may call with gRPC-Web, separated by commas; * = all; empty = pages of this server only
         grpc_web_origins: String = String::new(), "COUNTERPOINT_GRPC_WEB_ORIGINS", "ORIGINS";
-        /// Most calls of one identity in a second; 0 = without limit
+        /// Maximum calls of one identity per second, further calls wait; 0 = no limit
         max_calls_per_s: u32 = 0, "COUNTERPOINT_MAX_CALLS_PER_S", "N";
-        /// Most calls without a known identity that one address has answered in a second; 0 = without limit
+        /// Maximum calls without a known identity that are answered per second for one address; 0 = no limit
         max_refused_per_s: u32 = 20, "COUNTERPOINT_MAX_REFUSED_PER_S", "N";
         /// File for the audit log; empty = none
         audit: PathBuf = PathBuf::new(), "COUNTERPOINT_AUDIT", "FILE";
@@ -177,10 +177,10 @@ group! {
 group! {
     /// External waits of macros: commands of the operating system (`SYSTEM`) and the operator.
     System, SystemFlags {
-        /// Allow macros of shipped machines, and of machines that an administrator has put there, to start commands of
-        /// the operating system with the rights of the server
+        /// Allow macros of shipped machines, and of machines uploaded by an administrator, to start commands of the
+        /// operating system with the rights of the server
         allow_system: bool = false, "COUNTERPOINT_ALLOW_SYSTEM", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
-        /// Seconds after which such a command is ended
+        /// Seconds after which a command of the operating system is killed
         system_wait_s: u64 = 60, "COUNTERPOINT_SYSTEM_WAIT_S", "SECONDS";
         /// Seconds that a dialog of an attended job waits for the operator before it fails, and that a stepped job
         /// stays paused without a command before it continues
