@@ -6,20 +6,20 @@ use counterpoint_proto::v1::debug_command::What;
 
 /// All commands.
 pub(super) const HELP: &str = "\
-step [CHANNEL|all] [xN]   run one block, or N, of the channel furthest behind, of CHANNEL, or of all
-over [CHANNEL|all] [xN]   the same, but a call is one block
+step [CHANNEL|all] [xN]   run one block, or N, of the channel with the earliest time, of CHANNEL, or of all channels
+over [CHANNEL|all] [xN]   do the same, but a call counts as one block
 out [CHANNEL|all] [xN]    run to the block after the return from one call, or from N calls
 continue                  run to the next breakpoint or to the end
 until PLACE [xN]          run to the first (Nth) hit of PLACE
 break PLACE [xN]          stop at every (every Nth) hit of PLACE
-clear [NUMBER]            delete a breakpoint, or all
-hold [CHANNEL]            feed hold of a channel, or of all
-resume [CHANNEL]          end the feed hold of a channel, or of all
-reset CHANNEL             reset a channel
+clear [NUMBER]            delete one breakpoint, or all breakpoints
+hold [CHANNEL]            start the feed hold of one channel, or of all channels
+resume [CHANNEL]          end the feed hold of one channel, or of all channels
+reset CHANNEL             reset a channel: its program ends before its next block
 show                      show channels, positions, remembered words, variables, breakpoints
 quit                      run to the end without stops, as the end of the input does
 PLACE is: wait [MARK] (wait M101), write VARIABLE (write #500), line [FILE:]LINE (line upper.nc:12), time SECONDS (time 2.5)
-Short: s, o, c, u, b, q. Ctrl-C pauses a running job and cancels a stopped one. Text after a ; is a comment.";
+Short: s, o, c, u, b, q. Ctrl-C pauses a running job and cancels a stopped job. Text after a ; is a comment.";
 
 /// A line of the input.
 #[derive(Debug, Clone, PartialEq)]
