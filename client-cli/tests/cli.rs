@@ -821,6 +821,55 @@ fn server(folder: &Path) -> (tokio::runtime::Runtime, String) {
     (runtime, url)
 }
 
+/// Programs of real controls: an equal job gets the results of the first, unless the run asked an operator or the system.
+#[cfg(unix)]
+#[test]
+fn an_equal_job_on_a_server_has_the_results_of_the_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let (listen, data) = ("127.0.0.1:0".parse().unwrap(), folder.path().join("data"));
+    let mut options = Options { listen, data, ..Options::default() };
+    options.system.allow_system = true;
+    let service = runtime.block_on(service::build(options)).unwrap();
+    let url = service.handle().url();
+    runtime.spawn(service.run(std::future::pending()));
+    let call = |arguments: &[&str]| {
+        let output = counterpoint(&[arguments, &["--server", &url]].concat());
+        let text = String::from_utf8_lossy(&output.stdout).trim_end().to_owned();
+        assert_eq!(code(&output), 0, "{arguments:?}: {text} {}", String::from_utf8_lossy(&output.stderr));
+        text
+    };
+    // The job, and the job whose results it has.
+    let job = |arguments: &[&str]| {
+        let id = call(&[&["submit"], arguments].concat());
+        let status: serde_json::Value = serde_json::from_str(&call(&["wait", &id, "--json"])).unwrap();
+        assert_eq!(status["state"], "SUCCEEDED", "{status}");
+        (id, status["reused_from"].as_str().unwrap_or_default().to_owned())
+    };
+    let part = program(folder.path(), "part.nc", "O1\nG90\nG0 X10. Y10.\nG1 X20. F500.\nM30\n");
+    let mill = ["--machine", "fanuc-mill", &part];
+    let (first, of) = job(&mill);
+    let (second, of_first) = job(&mill);
+    assert_eq!((of.as_str(), of_first.as_str()), ("", first.as_str()));
+    assert!(call(&["status", &second]).contains(&format!("results of  {first}")));
+    for kind in ["summary", "listing", "events", "toolpath"] {
+        assert_eq!(call(&["result", &first, kind]), call(&["result", &second, kind]), "{kind}");
+    }
+    assert_eq!(job(&[&["--no-cache"], &mill[..]].concat()).1, "");
+
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/bar-part");
+    let [pin, answers] = ["pin.nc", "answers.toml"].map(|name| example.join(name).display().to_string());
+    let machine = folder.path().join("starter");
+    std::fs::create_dir(&machine).unwrap();
+    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"starter\"\n[macros]\nprogram_startup = \"start.mac\"\n";
+    program(&machine, "machine.toml", text);
+    program(&machine, "start.mac", "SYSTEM/'true'\n");
+    let starter = machine.display().to_string();
+    for outside in [&["--machine", "tern-bar-lathe", "--answers", &answers, &pin][..], &["--machine", &starter, &part]] {
+        assert_eq!((job(outside).1, job(outside).1), (String::new(), String::new()), "{outside:?}");
+    }
+}
+
 /// Each command that takes a job takes the beginning of its id, and none acts on an ambiguous one.
 #[test]
 fn jobs_are_named_by_the_beginning_of_their_ids() {
