@@ -9,6 +9,7 @@ use std::io::{IsTerminal as _, stderr};
 
 use serde::{Deserialize, Serialize};
 use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::LevelFilter;
 
 use crate::output::{self, Lossy};
 
@@ -26,17 +27,30 @@ pub enum LogFormat {
 /// The variable that selects the lines.
 const FILTER: &str = "COUNTERPOINT_LOG";
 
+/// The filter that the variable names, `info` by default. A word alone must be a level: a target that does not exist
+/// would select no lines.
+fn filter(text: &str) -> Result<EnvFilter, String> {
+    let refused = |error: &dyn Display| {
+        format!(
+            "{FILTER} is '{text}': {error}; expected a level (off, error, warn, info, debug, trace), target=level or \
+             [span]=level, with commas between them"
+        )
+    };
+    let parts: Vec<&str> = text.split(',').map(str::trim).filter(|part| !part.is_empty()).collect();
+    let is_level = |part: &str| part.contains(['=', '[']) || part.parse::<LevelFilter>().is_ok();
+    match parts.iter().find(|part| !is_level(part)) {
+        Some(word) => Err(refused(&format_args!("'{word}' is not a level"))),
+        None if parts.is_empty() => Ok(EnvFilter::new("info")),
+        None => EnvFilter::try_new(parts.join(",")).map_err(|error| refused(&error)),
+    }
+}
+
 /// Starts the log of this process.
 ///
 /// # Errors
 /// `COUNTERPOINT_LOG` is not a filter.
 pub fn start(format: LogFormat) -> Result<(), String> {
-    let text = std::env::var_os(FILTER).unwrap_or_default().to_string_lossy().into_owned();
-    let filter = EnvFilter::try_new(if text.is_empty() { "info" } else { &text }).map_err(|error| {
-        format!(
-            "{FILTER} is '{text}': {error}; expected a level (error, warn, info, debug, trace) or target=level pairs"
-        )
-    })?;
+    let filter = filter(&std::env::var_os(FILTER).unwrap_or_default().to_string_lossy())?;
     let lines = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_ansi(format == LogFormat::Text && stderr().is_terminal())

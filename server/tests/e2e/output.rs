@@ -136,6 +136,23 @@ fn refused(variable: (&str, &str), option: [&str; 2]) -> (i32, String) {
     (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
 }
 
+/// A misspelt level would be the name of a target that no line has: the log would be empty.
+#[test]
+fn a_word_alone_in_the_filter_of_the_log_is_a_level() {
+    for filter in ["inof", "info,debgu", "counterpoint_server", "info, h2"] {
+        let (code, text) = refused(("COUNTERPOINT_LOG", filter), ["--audit", "/no-such-folder/audit.json"]);
+        assert!(code == 2 && text.contains(&format!("COUNTERPOINT_LOG is '{filter}'")), "{code} {text}");
+        let word = filter.rsplit([',', ' ']).next().unwrap();
+        assert!(text.contains(&format!("'{word}' is not a level")) && text.contains("target=level"), "{text}");
+    }
+    // These are accepted: the server refuses its next option.
+    for filter in ["WARN", "0", "off", "info, counterpoint_server=debug", "[job]=debug", "warn,[job{tenant}]", "", ","]
+    {
+        let (code, text) = refused(("COUNTERPOINT_LOG", filter), ["--audit", "/no-such-folder/audit.json"]);
+        assert!(code == 3 && text.contains("(option audit)"), "{filter}: {code} {text}");
+    }
+}
+
 #[test]
 fn a_wrong_filter_of_the_log_and_an_audit_log_without_a_folder_are_named() {
     let (code, text) = refused(("COUNTERPOINT_LOG", "counterpoint_server=loud"), ["--workers", "1"]);
