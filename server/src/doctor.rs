@@ -45,8 +45,8 @@ impl fmt::Display for Damage {
 /// Examines the folder of a stopped server and repairs it if asked to. Returns every damage.
 ///
 /// # Errors
-/// When the folder cannot be examined: it is not there, a server uses it, or it cannot be read, or, for a repair,
-/// written.
+/// When the folder cannot be examined: it is not there, it is not a data folder, a server uses it, or it cannot be
+/// read, or, for a repair, written.
 pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
     examine_on(folder, repair, Disk::default())
 }
@@ -60,6 +60,10 @@ pub fn examine_on(folder: &Path, repair: bool, disk: Disk) -> Result<Vec<Damage>
         true => error.to_string(),
         false => format!("'{}': {error}", folder.display()),
     })?;
+    if !store.in_use() && matches!(store.ledger().try_exists(), Ok(false)) {
+        let folder = folder.display();
+        return Err(format!("'{folder}' is not a data folder: it has no ledger, jobs or blobs; check the path"));
+    }
     let blobs = LocalBlobs::new(store.clone(), u64::MAX);
     let mut doctor = Doctor { blobs, store, repair, lost: false, found: Vec::new() };
     contained(|| doctor.folder()).and_then(|done| done).map_err(|refusal| refusal.to_string())?;
@@ -93,17 +97,12 @@ impl Doctor {
     fn folder(&mut self) -> Result<(), Refusal> {
         let ledger = self.store.ledger();
         let opened = not_lost(&self.store).and_then(|()| {
-            // A folder without anything is one in which no server has been.
-            if !ledger.is_file() {
-                return Ok(None);
-            }
             self.pages()?;
             let opened = Checkup::open(&self.store, self.repair);
-            opened.map(Some).map_err(|why| lost_by(&self.store, "cannot be opened", why))
+            opened.map_err(|why| lost_by(&self.store, "cannot be opened", why))
         });
         let checkup = match opened {
-            Ok(Some(checkup)) => checkup,
-            Ok(None) => return Ok(()),
+            Ok(checkup) => checkup,
             // A problem of the host, not damage.
             Err(trouble @ Refusal::Storage(_)) => return Err(trouble),
             Err(refusal) => {

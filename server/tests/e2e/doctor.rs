@@ -84,6 +84,19 @@ async fn a_whole_folder_has_no_damage_and_one_in_use_is_not_examined() {
     assert!(contents(old.path()) == before);
 }
 
+/// A wrong path must not look like a folder without damage.
+#[test]
+fn a_folder_without_data_of_a_server_is_not_examined() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [&[][..], &["--repair"]] {
+        let (code, text) = command(folder.path(), arguments);
+        assert!(code == Some(3) && !text.contains("0 damaged"), "{code:?} {text}");
+        assert!(text.contains("is not a data folder"), "{text}");
+    }
+    std::fs::write(folder.path().join("notes.txt"), "of somebody else").unwrap();
+    assert_eq!(command(folder.path(), &[]).0, Some(3));
+}
+
 #[tokio::test]
 async fn every_damage_is_found_with_its_place_and_a_repair_leaves_only_what_nobody_else_can_mend() {
     let folder = tempfile::tempdir().unwrap();
