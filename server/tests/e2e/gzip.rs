@@ -7,6 +7,44 @@ use tonic::Code;
 use tonic::codec::CompressionEncoding::Gzip;
 
 use crate::support::*;
+use crate::web::ask;
+
+/// A member of gzip data whose content is stored as it is.
+fn member(content: &[u8]) -> Vec<u8> {
+    let length = u16::try_from(content.len()).unwrap();
+    let mut member = vec![0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255, 1];
+    member.extend([length.to_le_bytes(), (!length).to_le_bytes()].concat());
+    member.extend(content);
+    member.extend([crc32fast::hash(content).to_le_bytes(), u32::from(length).to_le_bytes()].concat());
+    member
+}
+
+/// The status of a call whose message is this gzip data.
+async fn call(server: &Server, data: &[u8]) -> String {
+    let headers = "content-type: application/grpc-web+proto\r\ngrpc-encoding: gzip\r\n";
+    let mut body = vec![1];
+    body.extend(u32::try_from(data.len()).unwrap().to_be_bytes());
+    body.extend(data);
+    let answer = String::from_utf8_lossy(&ask(server, "POST", headers, &body).await).into_owned();
+    let status = answer.rsplit_once("grpc-status:").unwrap_or_else(|| panic!("{answer}")).1;
+    status.trim_start().chars().take_while(char::is_ascii_digit).collect()
+}
+
+#[tokio::test]
+async fn a_message_is_the_first_member_of_its_gzip_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = options(folder.path());
+    options.guard.grpc_web = true;
+    let server = Server::start(options).await;
+    let (message, wrong) = (member(&[]), member(&[0xff; 3]));
+    assert_eq!(call(&server, &message).await, "0");
+    assert_ne!(call(&server, &wrong).await, "0", "the content is not a message");
+    assert_eq!(call(&server, &[&message[..], &wrong].concat()).await, "0", "a second member is ignored");
+    assert_eq!(call(&server, &[&message[..], b"behind"].concat()).await, "0", "other bytes are ignored");
+    assert_ne!(call(&server, &[&wrong[..], &message].concat()).await, "0");
+    assert_ne!(call(&server, &message[..message.len() - 1]).await, "0", "the data have no end");
+    server.stop().await;
+}
 
 #[tokio::test]
 async fn a_client_that_compresses_gets_compressed_answers_and_the_same_contents() {

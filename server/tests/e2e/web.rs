@@ -15,7 +15,7 @@ use crate::support::*;
 const LIST: &str = "/counterpoint.v1.Jobs/ListJobs";
 
 /// Sends a request and gives all that comes back until the server closes the connection.
-async fn ask(server: &Server, method: &str, headers: &str, body: &[u8]) -> Vec<u8> {
+pub(crate) async fn ask(server: &Server, method: &str, headers: &str, body: &[u8]) -> Vec<u8> {
     let mut stream = TcpStream::connect(server.handle.address()).await.unwrap();
     let length = body.len();
     let head = format!(
