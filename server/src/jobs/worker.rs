@@ -107,7 +107,7 @@ fn refused((cause, findings): (Cause, Vec<Finding>)) -> Change {
 fn queued_again() -> Change {
     Box::new(|record| {
         record.state = State::Queued;
-        record.runs.attempt = record.runs.attempt.saturating_sub(1);
+        record.runs.drop_last();
     })
 }
 
@@ -154,7 +154,7 @@ fn drop_run(core: &Core, live: &Live, used: Duration, change: impl FnOnce(&mut R
     }
     live.change(|record| {
         if std::mem::replace(&mut record.state, State::Queued) == State::Running {
-            record.runs.attempt = record.runs.attempt.saturating_sub(1);
+            record.runs.drop_last();
         }
         record.runs.cpu_us = record.runs.cpu_us.saturating_add(cpu::micros(used));
         change(record);

@@ -310,7 +310,7 @@ pub(crate) fn recovered(mut record: Record, running: usize, attempts: u32, clock
     } else {
         // A suspect that was not running when another server died was not the cause.
         record.runs.suspect = suspect || record.runs.suspect && running == 0;
-        record.state = State::Queued;
+        (record.state, record.runs.started_ms) = (State::Queued, 0);
     }
     record
 }

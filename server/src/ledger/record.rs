@@ -161,7 +161,7 @@ impl From<Finding> for Reason {
 pub struct Runs {
     /// Runs begun.
     pub attempt: u32,
-    /// When the last one began, milliseconds since 1970; 0 = never.
+    /// When the last one began, milliseconds since 1970; 0 = none has begun, or the last one was dropped.
     pub started_ms: i64,
     /// Times the server died while this job was the only one that ran.
     pub crashes: u32,
@@ -192,6 +192,14 @@ pub struct Runs {
     /// The W3C `traceparent` that its submit came with; empty = none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub traceparent: String,
+}
+
+impl Runs {
+    /// The last run was dropped: it does not count, and the job waits as if the run had not begun.
+    pub(crate) fn drop_last(&mut self) {
+        self.attempt = self.attempt.saturating_sub(1);
+        self.started_ms = 0;
+    }
 }
 
 /// Request of a client besides programs and options.

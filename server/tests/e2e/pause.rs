@@ -107,6 +107,32 @@ async fn a_paused_job_can_be_cancelled_and_ends_at_its_deadline() {
     server.stop().await;
 }
 
+/// The time of the start is that of the last run that was not dropped: neither a pause nor the end of a server leaves
+/// that of an earlier run.
+#[tokio::test]
+async fn a_job_that_waits_again_has_no_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let [first, second] = [server.submit("first", "EVENTS 5\nHANG").await, server.submit("second", "HANG").await];
+    server.until_events(&first, 5).await;
+    assert!(server.status(&first).await.started_ms > 0);
+    pause(&server, &first).await;
+    server.until(&first, v1::JobState::Queued).await;
+    server.until(&second, v1::JobState::Running).await;
+    // It waits for the only worker until it is cancelled.
+    assert_eq!(resume(&server, &first).await.state(), v1::JobState::Queued);
+    server.jobs().cancel_job(v1::CancelJobRequest { job_id: first.clone() }).await.unwrap();
+    let status = server.wait(&first).await;
+    assert_eq!((status.state(), status.started_ms), (v1::JobState::Cancelled, 0));
+
+    assert!(server.status(&second).await.started_ms > 0);
+    server.stop().await;
+    let server = Server::start(Options { min_free_bytes: u64::MAX, ..options(folder.path()) }).await;
+    let status = server.status(&second).await;
+    assert_eq!((status.state(), status.started_ms), (v1::JobState::Queued, 0), "no run starts on a full disk");
+    server.stop().await;
+}
+
 /// A watch that has seen more events than the last run logs is given the end, whether it continues, or begins at its
 /// cursor now or after a restart of the server.
 #[tokio::test]
