@@ -127,11 +127,12 @@ fn remove_expired(core: &Core, keep: &Keep) -> Result<u64, Refusal> {
         // A watched job is removed the next time.
         jobs.retain(|job| !core.watched(&job.id));
         let records: Vec<_> = jobs.iter().map(|job| core.ledger.job(&job.id).ok().flatten()).collect();
-        core.ledger.remove_blocking(jobs.clone())?;
-        for (job, record) in jobs.iter().zip(&records) {
+        let gone_now = core.ledger.remove_blocking(jobs.clone())?;
+        // A client may have deleted one meanwhile; then its call does the rest.
+        for ((job, record), _) in jobs.iter().zip(&records).zip(gone_now).filter(|(_, gone_now)| *gone_now) {
             core.forget(&job.id, record.as_ref())?;
+            removed += 1;
         }
-        removed += jobs.len() as u64;
         if jobs.len() < GROUP || all < GROUP {
             return Ok(removed);
         }

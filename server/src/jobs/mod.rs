@@ -389,13 +389,15 @@ impl Core {
         Ok(ended)
     }
 
-    /// Deletes an ended job.
+    /// Deletes an ended job. Of several calls at the same time one deletes it; for the others it is unknown.
     pub(crate) async fn delete(&self, id: &str) -> Result<(), Refusal> {
         let record = self.job(id)?;
         if !record.state.ended() {
             return Err(Refusal::JobNotEnded(id.to_owned()));
         }
-        self.ledger.remove(record.clone()).await?;
+        if !self.ledger.remove(record.clone()).await? {
+            return Err(Refusal::UnknownJob(id.to_owned()));
+        }
         self.forget(id, Some(&record))
     }
 

@@ -212,11 +212,11 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// The log of a job, if it is kept here.
     fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal>;
 
-    /// Removes a job and its request id.
-    async fn remove(&self, record: Record) -> Result<(), Refusal>;
+    /// Removes a job and its request id; `false` if it was removed before.
+    async fn remove(&self, record: Record) -> Result<bool, Refusal>;
 
-    /// Removes ended jobs from a thread that may block.
-    fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<(), Refusal>;
+    /// Removes ended jobs from a thread that may block; says of each whether it had not been removed before.
+    fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<Vec<bool>, Refusal>;
 
     /// Ended jobs beyond the retention limits, oldest first, with the time of their end.
     fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal>;

@@ -51,6 +51,40 @@ impl Seen {
     }
 }
 
+/// Whichever of two deletes comes first, the other finds no job, and watchers are told once.
+#[tokio::test]
+async fn a_job_that_is_deleted_twice_at_once_is_removed_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let kept = server.submit("kept", "EVENTS 3").await;
+    server.wait(&kept).await;
+    let mut jobs = Vec::new();
+    for number in 0..20 {
+        let job = server.submit(&format!("job-{number}"), "EVENTS 3").await;
+        server.wait(&job).await;
+        jobs.push(job);
+    }
+    let mut seen = Seen::watch(&server, v1::JobFilter::default(), 0).await;
+    seen.until(|seen| seen.cursor > 0).await;
+    for job in &jobs {
+        let delete = async || {
+            let request = v1::DeleteJobRequest { job_id: job.clone() };
+            server.jobs().delete_job(request).await.map(drop).map_err(|refused| reason(&refused))
+        };
+        let (one, other) = tokio::join!(delete(), delete());
+        let [Ok(()), Err(refusal)] = (if one.is_ok() { [one, other] } else { [other, one] }) else {
+            panic!("one of two deletes must be done");
+        };
+        assert_eq!(refusal, "UNKNOWN_JOB");
+    }
+    let last = server.submit("last", "EVENTS 3").await;
+    server.wait(&last).await;
+    seen.until(|seen| seen.is("last", v1::JobState::Succeeded)).await;
+    assert_eq!(seen.removed, jobs);
+    server.stop().await;
+    assert_eq!(counterpoint_server::doctor::examine(folder.path(), false), Ok(Vec::new()), "the bytes agree");
+}
+
 #[tokio::test]
 async fn changes_of_many_jobs_come_with_one_cursor_and_resume_at_it() {
     let folder = tempfile::tempdir().unwrap();

@@ -138,7 +138,7 @@ impl Checkup {
     /// Removes ended jobs.
     pub(crate) fn remove(&self, jobs: &[&Record]) -> Result<(), Refusal> {
         let txn = self.database.begin_write().map_err(storage)?;
-        jobs.iter().try_for_each(|job| super::take_out(&txn, &job.id, job.ages_from()))?;
+        jobs.iter().try_for_each(|job| super::take_out(&txn, &job.id, job.ages_from()).map(drop))?;
         txn.commit().map_err(storage)
     }
 

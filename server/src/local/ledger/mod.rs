@@ -334,7 +334,7 @@ impl Ledger for LocalLedger {
         })
     }
 
-    async fn remove(&self, record: Record) -> Result<(), Refusal> {
+    async fn remove(&self, record: Record) -> Result<bool, Refusal> {
         self.write(move |txn| take_out(txn, &record.id, record.ages_from())).await
     }
 
@@ -342,8 +342,8 @@ impl Ledger for LocalLedger {
         self.read(|txn| retention::expired(txn, keep, now_ms, most))
     }
 
-    fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<(), Refusal> {
-        self.write_blocking(move |txn| jobs.iter().try_for_each(|job| take_out(txn, &job.id, job.ended_ms)))
+    fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<Vec<bool>, Refusal> {
+        self.write_blocking(move |txn| jobs.iter().map(|job| take_out(txn, &job.id, job.ended_ms)).collect())
     }
 
     fn job(&self, id: &str) -> Result<Option<Record>, Refusal> {

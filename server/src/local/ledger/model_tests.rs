@@ -236,8 +236,15 @@ impl Bench {
                 ledger.end(*record, log, Box::new(move |kept| answer.send(kept).unwrap()));
                 answered.recv().unwrap()?;
             }
-            Operation::Remove(record) => run.block_on(ledger.remove(*record))?,
-            Operation::RemoveMany(jobs) => ledger.remove_blocking(jobs)?,
+            Operation::Remove(record) => {
+                assert!(run.block_on(ledger.remove((*record).clone()))?, "it was there");
+                assert!(!run.block_on(ledger.remove(*record))?, "a second removal finds nothing");
+            }
+            Operation::RemoveMany(jobs) => {
+                let count = jobs.len();
+                assert_eq!(ledger.remove_blocking(jobs.clone())?, vec![true; count]);
+                assert_eq!(ledger.remove_blocking(jobs)?, vec![false; count]);
+            }
             Operation::Put(definition) => run.block_on(ledger.put_machine(definition, Box::new(|_| Ok(()))))?,
             Operation::RemoveMachine(tenant, name, trusted) => {
                 run.block_on(ledger.remove_machine(tenant, name, trusted)).map(drop)?;

@@ -53,13 +53,14 @@ pub(super) fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal
     usage::ended(txn, record, bytes, before)
 }
 
-/// Removes an ended job with all that belongs to it; it may be gone already.
-pub(super) fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refusal> {
+/// Removes an ended job with all that belongs to it; `false` if it is gone already.
+pub(super) fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<bool, Refusal> {
     let bytes = retention::unlist(txn, id, ended_ms)?;
     let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
     txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
     let work = works::remove(txn, id)?;
-    let Some(record) = row.and_then(|row| readable::<Record>(JOB, id, &row)) else { return Ok(()) };
+    let Some(row) = row else { return Ok(false) };
+    let Some(record) = readable::<Record>(JOB, id, &row) else { return Ok(true) };
     txn.open_table(REQUEST)
         .map_err(storage)?
         .remove(tenant::key(&record.tenant, &record.request_id).as_str())
@@ -67,9 +68,8 @@ pub(super) fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Resul
     index::remove(txn, &record)?;
     equal::remove(txn, &record)?;
     usage::removed(txn, &record.tenant, bytes)?;
-    match work {
-        Some(work) => blob_refs::subtract(txn, &blob_refs::of_job(&record.tenant, &work)),
-        None => Ok(()),
+    if let Some(work) = work {
+        blob_refs::subtract(txn, &blob_refs::of_job(&record.tenant, &work))?;
     }
 }
 
@@ -82,6 +82,7 @@ pub(super) fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Re
 
 #[cfg(test)]
 mod tests {
+    Ok(true)
     use super::*;
 
     #[test]
