@@ -38,14 +38,14 @@ use uuid::{NoContext, Timestamp, Uuid};
 use super::contained::contained;
 use super::store::Store;
 use crate::ledger::record::{Record, Work};
-use crate::ledger::{Accepted, Check, Compacted, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage, time_of};
+use crate::ledger::{Accepted, Check, Compacted, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage};
 use crate::log::damage::{damage, of_job};
 use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
 pub(crate) use lost::{lost, lost_by, lost_for_good, not_lost};
-use rows::{get, next_id, parse, put, readable, take_out};
+use rows::{get, next_job, parse, put, readable, take_out};
 use writer::{Operation, Place, Shared};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
@@ -251,7 +251,7 @@ impl Ledger for LocalLedger {
             check(&work)?;
             // `Uuid::now_v7` would keep the time of a clock that was ahead once.
             let now = Uuid::new_v7(Timestamp::now(NoContext));
-            (record.id, record.submitted_ms) = (next_id(txn, now)?, time_of(now));
+            (record.id, record.submitted_ms) = next_job(txn, now)?;
             put(txn, &record)?;
             works::put(txn, &record.id, &work)?;
             index::add(txn, &record)?;

@@ -7,6 +7,7 @@ use uuid::Uuid;
 
 use super::{JOB, LOG, REQUEST, Rows, blob_refs, equal, index, retention, seal, storage, usage, works};
 use crate::ledger::record::Record;
+use crate::ledger::time_of;
 use crate::reason::Refusal;
 use crate::tenant;
 
@@ -24,11 +25,21 @@ pub(super) fn readable<T: serde::de::DeserializeOwned>(table: Rows<'_>, key: &st
     parse(table, key, row).inspect_err(|error| tracing::error!(%error, "a row of the ledger is left out")).ok()
 }
 
-/// The next identity: ascending in the order of acceptance, also when the clock is set back.
-pub(super) fn next_id(txn: &WriteTransaction, now: Uuid) -> Result<String, Refusal> {
+/// Time by which the clock may go back without being seen in the times of submits, ms.
+const MOST_BACK_MS: i64 = 60_000;
+
+/// The next identity, ascending in the order of acceptance, and the time of the submit, ms since 1970. `now` has the
+/// time of the clock, which may have been set back.
+pub(super) fn next_job(txn: &WriteTransaction, now: Uuid) -> Result<(String, i64), Refusal> {
     let table = txn.open_table(JOB).map_err(storage)?;
     let last = table.last().map_err(storage)?.and_then(|(id, _)| Uuid::parse_str(id.value()).ok());
-    Ok(after(last, now).to_string())
+    Ok((after(last, now).to_string(), submitted_ms(last.map_or(0, time_of), time_of(now))))
+}
+
+/// Time of a submit when the clock shows `now_ms` and the last identity has `last_ms`: not before that, unless the
+/// clock was so far ahead that the times of all later jobs would be wrong.
+fn submitted_ms(last_ms: i64, now_ms: i64) -> i64 {
+    if last_ms.saturating_sub(now_ms) <= MOST_BACK_MS { now_ms.max(last_ms) } else { now_ms }
 }
 
 /// `new`, or the smallest identity after `last` if `new` is not after it.
@@ -71,6 +82,7 @@ pub(super) fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Resul
     if let Some(work) = work {
         blob_refs::subtract(txn, &blob_refs::of_job(&record.tenant, &work))?;
     }
+    Ok(true)
 }
 
 /// The row of a job.
@@ -82,8 +94,10 @@ pub(super) fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Re
 
 #[cfg(test)]
 mod tests {
-    Ok(true)
+    use uuid::{NoContext, Timestamp};
+
     use super::*;
+    use crate::ledger::record::tests::record;
 
     #[test]
     fn identities_ascend_when_the_clock_is_set_back() {
@@ -95,5 +109,31 @@ mod tests {
         let second = after(Some(first), earlier);
         assert!(second > first && after(Some(second), first) > second);
         assert!(second.to_string() > first.to_string(), "texts are ordered as identities are");
+    }
+
+    /// The clock shows these milliseconds at three submits; their times.
+    fn submitted(clock: [u64; 3]) -> [i64; 3] {
+        let backend = redb::backends::InMemoryBackend::new();
+        let database = redb::Database::builder().create_with_backend(backend).unwrap();
+        let txn = database.begin_write().unwrap();
+        let mut last = String::new();
+        clock.map(|ms| {
+            let at = Timestamp::from_unix(NoContext, ms / 1000, (ms % 1000) as u32 * 1_000_000);
+            let (id, submitted_ms) = next_job(&txn, Uuid::new_v7(at)).unwrap();
+            assert!(id > last, "identities ascend");
+            put(&txn, &Record { submitted_ms, ..record(&id) }).unwrap();
+            last = id;
+            submitted_ms
+        })
+    }
+
+    #[test]
+    fn no_submit_is_before_the_last_one_unless_the_clock_was_far_ahead() {
+        let (now, hour) = (1_764_000_000_000, 3_600_000);
+        assert_eq!(submitted([now, now, now + 5]), [now, now, now + 5].map(u64::cast_signed));
+        assert_eq!(submitted([now, now - 2000, now + 1]), [now, now, now + 1].map(u64::cast_signed));
+        assert_eq!(submitted([now, now - 60_000, now - 60_000]), [now; 3].map(u64::cast_signed));
+        let set_back = [now + hour, now, now + 7];
+        assert_eq!(submitted(set_back), set_back.map(u64::cast_signed), "a status shows the clock again");
     }
 }
