@@ -248,7 +248,7 @@ pub(crate) struct Submit {
     #[command(flatten)]
     pub(crate) request: RequestArgs,
     /// Submit each program as a separate job, instead of one job with a channel for each program; prints one id per
-    /// line, in the order of the programs
+    /// line, in the order of the programs. With --request-id ID the request ids are ID-1, ID-2 and so on in this order
     #[arg(long)]
     pub(crate) each: bool,
     /// Run the job even if the server keeps the results of an equal one

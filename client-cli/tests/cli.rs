@@ -1333,6 +1333,14 @@ fn plain_mistakes_are_told_by_name() {
 }
 
 #[test]
+fn the_help_of_submit_says_how_requests_of_each_program_are_numbered() {
+    let output = counterpoint(&["submit", "--help"]);
+    let help = String::from_utf8_lossy(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    let (_, each) = help.split_once("--each ").unwrap();
+    assert!(each.contains("--request-id ID") && each.contains("ID-1, ID-2"), "{each}");
+}
+
+#[test]
 fn each_program_becomes_a_job_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let (_runtime, url) = server(folder.path());
