@@ -1333,6 +1333,20 @@ fn plain_mistakes_are_told_by_name() {
 }
 
 #[test]
+fn a_command_for_many_jobs_asks_for_a_job_or_a_filter() {
+    for command in ["cancel", "delete"] {
+        for more in [&[][..], &["--yes"], &["--dry-run"]] {
+            let output = counterpoint(&[&[command], more].concat());
+            let text = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(code(&output), 2, "{text}");
+            for way in ["JOB", "--state", "--machine", "--label", "--since", "--all"] {
+                assert!(text.contains(way), "{command} {more:?} does not name {way}: {text}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_help_of_submit_says_how_requests_of_each_program_are_numbered() {
     let output = counterpoint(&["submit", "--help"]);
     let help = String::from_utf8_lossy(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");

@@ -1,6 +1,6 @@
 //! Arguments for submitting and selecting jobs.
 
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 
 use crate::remote::Remote;
 
@@ -151,14 +151,15 @@ pub(crate) struct Status {
     pub(crate) remote: Remote,
 }
 
+/// Arguments that select the jobs of `cancel` and `delete`; one of them must be given.
+const SELECTORS: [&str; 6] = ["job", "state", "machine", "labels", "since", "all"];
+
 /// One job, or the jobs of a filter.
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new("selected").args(SELECTORS).required(true).multiple(true))]
 pub(crate) struct Many {
     /// Id of the job, or a prefix of it
-    #[arg(
-        required_unless_present_any = ["state", "machine", "labels", "since", "all"],
-        conflicts_with_all = ["state", "machine", "labels", "since", "all", "dry_run", "yes"],
-    )]
+    #[arg(conflicts_with_all = ["state", "machine", "labels", "since", "all", "dry_run", "yes"])]
     pub(crate) job: Option<String>,
     #[command(flatten)]
     pub(crate) filter: JobFilter,
