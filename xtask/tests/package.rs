@@ -52,7 +52,7 @@ fn the_archive_has_programs_that_run_and_all_licences() {
     assert!(!licences.contains("\nprost-reflect 0."), "crates of tests only are not in the programs");
 }
 
-/// Installs the package in a throwaway layer over this system.
+/// Installs the package in a throwaway layer over this system, with a `/tmp` of its own.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_debian_package_installs_runs_and_keeps_the_data() {
@@ -72,7 +72,8 @@ fn the_debian_package_installs_runs_and_keeps_the_data() {
         "mount -t tmpfs tmpfs \"$1\"; mkdir \"$1\"/upper \"$1\"/work \"$1\"/tree
         mount -t overlay overlay -o \"lowerdir=/,upperdir=$1/upper,workdir=$1/work\" \"$1\"/tree
         mount --bind /dev \"$1\"/tree/dev; mount -t proc proc \"$1\"/tree/proc; mount -t tmpfs tmpfs \"$1\"/tree/run
-        mkdir -p \"$1\"/tree/tmp; cp \"$2\" \"$1\"/tree/tmp/counterpoint.deb; cp \"$3\" \"$1\"/tree/tmp/inside.sh
+        mkdir -p \"$1\"/tree/tmp; mount -t tmpfs tmpfs \"$1\"/tree/tmp
+        cp \"$2\" \"$1\"/tree/tmp/counterpoint.deb; cp \"$3\" \"$1\"/tree/tmp/inside.sh
         command -v dpkg >/dev/null; chroot \"$1\"/tree true; echo ready",
     );
     inside.arg("sh").arg(&layers).arg(&made[1]).arg(root().join("xtask/tests/installed.sh"));
