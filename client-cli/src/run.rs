@@ -62,7 +62,9 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let stepped = arguments.inputs.operator.step;
     let person = !stepped && !piped && std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let attended = arguments.inputs.operator.attend || person && !arguments.quiet && !arguments.json;
-    let job = submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, ..Submission::default() }).await;
+    let job =
+        submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, ..Submission::default() })
+            .await;
     let job = job.map_err(at(Stage::Submission))?;
     let status = follow(&client, &job, (arguments.quiet, attended, stepped)).await.map_err(at(Stage::Submission))?;
     if let Some(code) = not_run(&status) {

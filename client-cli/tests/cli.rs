@@ -865,7 +865,8 @@ fn an_equal_job_on_a_server_has_the_results_of_the_first() {
     program(&machine, "machine.toml", text);
     program(&machine, "start.mac", "SYSTEM/'true'\n");
     let starter = machine.display().to_string();
-    for outside in [&["--machine", "tern-bar-lathe", "--answers", &answers, &pin][..], &["--machine", &starter, &part]] {
+    for outside in [&["--machine", "tern-bar-lathe", "--answers", &answers, &pin][..], &["--machine", &starter, &part]]
+    {
         assert_eq!((job(outside).1, job(outside).1), (String::new(), String::new()), "{outside:?}");
     }
 }

@@ -23,7 +23,7 @@ pub(crate) struct Context {
 impl Context {
     /// The context of a job whose client sent this `traceparent`. If it is absent or invalid, a new trace starts.
     pub(crate) fn of(job: &str, traceparent: &str) -> Self {
-        let own: String = Sha256::digest(job).iter().map(|byte| format!("{byte:02x}")).collect();
+        let own = format!("{:x}", Sha256::digest(job));
         let (first, second) = own.split_at_checked(32).unwrap_or_default();
         let (span, run) = second.split_at_checked(16).unwrap_or_default();
         let (trace, parent, sampled) = parse(traceparent).unwrap_or((first, "", true));

@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 
 use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
+use super::tables::Tables;
 use super::{JOB, MACHINE, readable, storage, works};
 use crate::ledger::record::{Record, Work};
 use crate::machines::Definition;
@@ -28,8 +29,8 @@ pub(super) fn of_machine(definition: &Definition) -> BTreeSet<String> {
 }
 
 /// One more row needs these.
-pub(super) fn add(txn: &WriteTransaction, digests: &BTreeSet<String>) -> Result<(), Refusal> {
-    let mut table = txn.open_table(BLOB).map_err(storage)?;
+pub(super) fn add(tables: &Tables<'_>, digests: &BTreeSet<String>) -> Result<(), Refusal> {
+    let mut table = tables.blob()?;
     for digest in digests {
         let count = table.get(digest.as_str()).map_err(storage)?.map_or(0, |count| count.value());
         table.insert(digest.as_str(), count.saturating_add(1)).map_err(storage)?;
@@ -38,8 +39,8 @@ pub(super) fn add(txn: &WriteTransaction, digests: &BTreeSet<String>) -> Result<
 }
 
 /// One row less needs these.
-pub(super) fn subtract(txn: &WriteTransaction, digests: &BTreeSet<String>) -> Result<(), Refusal> {
-    let mut table = txn.open_table(BLOB).map_err(storage)?;
+pub(super) fn subtract(tables: &Tables<'_>, digests: &BTreeSet<String>) -> Result<(), Refusal> {
+    let mut table = tables.blob()?;
     for digest in digests {
         let count = table.get(digest.as_str()).map_err(storage)?.map_or(0, |count| count.value());
         match count {
@@ -54,12 +55,12 @@ pub(super) fn subtract(txn: &WriteTransaction, digests: &BTreeSet<String>) -> Re
 /// Counts the blobs that all rows need.
 pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     txn.open_table(BLOB).map_err(storage)?.retain(|_, _| false).map_err(storage)?;
-    let jobs = txn.open_table(JOB).map_err(storage)?;
+    let (tables, jobs) = (Tables::of(txn), txn.open_table(JOB).map_err(storage)?);
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
         let Some(record) = readable::<Record>(JOB, id.value(), row.value()) else { continue };
         if let Some(work) = works::anywhere(txn, id.value(), row.value())? {
-            add(txn, &of_job(&record.tenant, &work))?;
+            add(&tables, &of_job(&record.tenant, &work))?;
         }
     }
     let machines = txn.open_table(MACHINE).map_err(storage)?;
@@ -69,7 +70,7 @@ pub(super) fn count_all(txn: &WriteTransaction) -> Result<(), Refusal> {
         if let Some(definition) =
             readable::<Definition>(MACHINE, name.value(), row.value()).filter(|_| name.value().contains('@'))
         {
-            add(txn, &of_machine(&definition))?;
+            add(&tables, &of_machine(&definition))?;
         }
     }
     Ok(())

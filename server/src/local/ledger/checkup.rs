@@ -8,6 +8,7 @@ use std::path::Path;
 use bytes::Bytes;
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 
+use super::tables::Tables;
 use super::writer::Place;
 use super::{
     JOB, LOG, MACHINE, REQUEST, blob_refs, equal, index, machine_bytes, parse, retention, schema, storage, usage, works,
@@ -138,7 +139,9 @@ impl Checkup {
     /// Removes ended jobs.
     pub(crate) fn remove(&self, jobs: &[&Record]) -> Result<(), Refusal> {
         let txn = self.database.begin_write().map_err(storage)?;
-        jobs.iter().try_for_each(|job| super::take_out(&txn, &job.id, job.ages_from()).map(drop))?;
+        let tables = Tables::of(&txn);
+        jobs.iter().try_for_each(|job| super::take_out(&tables, &job.id, job.ages_from()).map(drop))?;
+        drop(tables);
         txn.commit().map_err(storage)
     }
 
@@ -150,7 +153,7 @@ impl Checkup {
             txn.open_table(table).map_err(storage)?.remove(row.key.as_str()).map_err(storage)?;
             txn.open_table(LOG).map_err(storage)?.remove(row.key.as_str()).map_err(storage)?;
             if !row.machine {
-                works::remove(&txn, &row.key)?;
+                works::remove(&Tables::of(&txn), &row.key)?;
             }
         }
         let gone = |id: &str| rows.unreadable.iter().any(|row| !row.machine && row.key == id);
@@ -160,7 +163,7 @@ impl Checkup {
             .map_err(storage)?;
         for id in &rows.logs {
             txn.open_table(LOG).map_err(storage)?.remove(id.as_str()).map_err(storage)?;
-            works::remove(&txn, id)?;
+            works::remove(&Tables::of(&txn), id)?;
         }
         blob_refs::count_all(&txn)?;
         retention::list_all(&txn, store)?;

@@ -12,7 +12,8 @@ use redb::{Key, ReadTransaction, ReadableDatabase as _, ReadableTableMetadata as
 
 use super::writer::{Place, Shared};
 use super::{
-    JOB, LOG, MACHINE, REQUEST, blob_refs, checkup, equal, index, machine_bytes, retention, schema, storage, usage, works,
+    JOB, LOG, MACHINE, REQUEST, blob_refs, checkup, equal, index, machine_bytes, retention, schema, storage, usage,
+    works,
 };
 use crate::ledger::Compacted;
 use crate::local::contained::contained;

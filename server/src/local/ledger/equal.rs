@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use redb::{ReadTransaction, ReadableTable as _, TableDefinition, WriteTransaction};
 
+use super::tables::Tables;
 use super::{JOB, parse, readable, storage};
 use crate::ledger::record::Record;
 use crate::reason::Refusal;
@@ -22,17 +23,17 @@ fn key(record: &Record) -> Option<String> {
 }
 
 /// Notes a job that has ended.
-pub(super) fn add(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
+pub(super) fn add(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     if let Some(key) = key(record) {
-        txn.open_table(EQUAL).map_err(storage)?.insert(key.as_str(), record.id.as_str()).map_err(storage)?;
+        tables.equal()?.insert(key.as_str(), record.id.as_str()).map_err(storage)?;
     }
     Ok(())
 }
 
 /// Forgets a job.
-pub(super) fn remove(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
+pub(super) fn remove(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     let Some(key) = key(record) else { return Ok(()) };
-    let mut table = txn.open_table(EQUAL).map_err(storage)?;
+    let mut table = tables.equal()?;
     let own = table.get(key.as_str()).map_err(storage)?.is_some_and(|id| id.value() == record.id);
     if own {
         table.remove(key.as_str()).map_err(storage)?;
@@ -54,10 +55,11 @@ pub(super) fn find(txn: &ReadTransaction, tenant: &str, digest: &str) -> Result<
 /// Lists all jobs anew.
 pub(super) fn list_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     txn.open_table(EQUAL).map_err(storage)?.retain(|_, _| false).map_err(storage)?;
+    let tables = Tables::of(txn);
     for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
         if let Some(record) = readable::<Record>(JOB, id.value(), row.value()) {
-            add(txn, &record)?;
+            add(&tables, &record)?;
         }
     }
     Ok(())

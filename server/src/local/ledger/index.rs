@@ -11,6 +11,7 @@ use std::ops::Bound::{Excluded, Included, Unbounded};
 use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
 use uuid::Uuid;
 
+use super::tables::Tables;
 use super::{JOB, readable, storage};
 use crate::ledger::prefix::shortest;
 use crate::ledger::record::{Record, State};
@@ -62,8 +63,8 @@ fn terms(record: &Record) -> Vec<String> {
 }
 
 /// Lists a job that is accepted.
-pub(super) fn add(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
-    let mut table = txn.open_table(INDEX).map_err(storage)?;
+pub(super) fn add(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+    let mut table = tables.index()?;
     for term in terms(record) {
         table.insert((term.as_str(), record.id.as_str()), ()).map_err(storage)?;
     }
@@ -71,8 +72,8 @@ pub(super) fn add(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal
 }
 
 /// Lists a job that ends now under its end.
-pub(super) fn end(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
-    let mut table = txn.open_table(INDEX).map_err(storage)?;
+pub(super) fn end(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+    let mut table = tables.index()?;
     let (open, ended) = (state_term(&record.tenant, State::Queued), state_term(&record.tenant, record.state));
     table.remove((open.as_str(), record.id.as_str())).map_err(storage)?;
     table.insert((ended.as_str(), record.id.as_str()), ()).map_err(storage)?;
@@ -80,8 +81,8 @@ pub(super) fn end(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal
 }
 
 /// Takes a job out.
-pub(super) fn remove(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
-    let mut table = txn.open_table(INDEX).map_err(storage)?;
+pub(super) fn remove(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+    let mut table = tables.index()?;
     for term in terms(record) {
         table.remove((term.as_str(), record.id.as_str())).map_err(storage)?;
     }
@@ -91,11 +92,11 @@ pub(super) fn remove(txn: &WriteTransaction, record: &Record) -> Result<(), Refu
 /// Lists all jobs anew.
 pub(super) fn list_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     txn.open_table(INDEX).map_err(storage)?.retain(|_, ()| false).map_err(storage)?;
-    let jobs = txn.open_table(JOB).map_err(storage)?;
+    let (tables, jobs) = (Tables::of(txn), txn.open_table(JOB).map_err(storage)?);
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
         if let Some(record) = readable::<Record>(JOB, id.value(), row.value()) {
-            add(txn, &record)?;
+            add(&tables, &record)?;
         }
     }
     Ok(())

@@ -3,8 +3,9 @@
 //! Invariant: a machine has a row under its name, with its newest revision, and one for each revision under
 //! `name@revision`; blobs are counted by the latter.
 
-use redb::{ReadTransaction, ReadableTable, TableHandle as _, WriteTransaction};
+use redb::{ReadTransaction, ReadableTable, TableHandle as _};
 
+use super::tables::Tables;
 use super::{MACHINE, blob_refs, machine_bytes, readable, seal, storage};
 use crate::ledger::Check;
 use crate::machines::Definition;
@@ -16,13 +17,13 @@ fn of_an_administrator(name: &str) -> Refusal {
 }
 
 /// Stores a machine.
-pub(super) fn put(txn: &WriteTransaction, definition: &Definition, check: Check<Definition>) -> Result<(), Refusal> {
+pub(super) fn put(tables: &Tables<'_>, definition: &Definition, check: Check<Definition>) -> Result<(), Refusal> {
     check(definition)?;
     let name = tenant::key(&definition.tenant, &definition.name);
     let pinned = format!("{name}@{}", definition.revision());
     let (newest, revision) =
         (seal::json(MACHINE.name(), &name, definition)?, seal::json(MACHINE.name(), &pinned, definition)?);
-    let mut table = txn.open_table(MACHINE).map_err(storage)?;
+    let mut table = tables.alone().open_table(MACHINE).map_err(storage)?;
     // One that cannot be read may be that of an administrator.
     let trusted = |row: redb::AccessGuard<'_, &[u8]>| {
         readable::<Definition>(MACHINE, &name, row.value()).is_none_or(|before| before.trusted)
@@ -36,14 +37,14 @@ pub(super) fn put(txn: &WriteTransaction, definition: &Definition, check: Check<
     let known = same.is_some();
     drop(table);
     let gone = earlier.unwrap_or(0) + same.unwrap_or(0);
-    machine_bytes::changed(txn, &definition.tenant, (newest.len() + revision.len()) as u64, gone)?;
-    if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(definition)) }
+    machine_bytes::changed(tables.alone(), &definition.tenant, (newest.len() + revision.len()) as u64, gone)?;
+    if known { Ok(()) } else { blob_refs::add(tables, &blob_refs::of_machine(definition)) }
 }
 
 /// Removes a machine with all its revisions.
-pub(super) fn remove(txn: &WriteTransaction, tenant: &str, name: &str, trusted: bool) -> Result<bool, Refusal> {
+pub(super) fn remove(tables: &Tables<'_>, tenant: &str, name: &str, trusted: bool) -> Result<bool, Refusal> {
     let key = tenant::key(tenant, name);
-    let mut table = txn.open_table(MACHINE).map_err(storage)?;
+    let mut table = tables.alone().open_table(MACHINE).map_err(storage)?;
     let newest = match table.get(key.as_str()).map_err(storage)? {
         None => return Ok(false),
         Some(row) => readable::<Definition>(MACHINE, &key, row.value()),
@@ -63,10 +64,10 @@ pub(super) fn remove(txn: &WriteTransaction, tenant: &str, name: &str, trusted: 
         table.remove(name.as_str()).map_err(storage)?;
     }
     drop(table);
-    machine_bytes::changed(txn, tenant, 0, bytes)?;
+    machine_bytes::changed(tables.alone(), tenant, 0, bytes)?;
     rows.iter()
         .filter_map(|(_, definition)| definition.as_ref())
-        .try_for_each(|definition| blob_refs::subtract(txn, &blob_refs::of_machine(definition)))?;
+        .try_for_each(|definition| blob_refs::subtract(tables, &blob_refs::of_machine(definition)))?;
     Ok(true)
 }
 

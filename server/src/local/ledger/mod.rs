@@ -19,6 +19,7 @@ mod rows;
 pub(crate) mod salvage;
 mod schema;
 mod seal;
+mod tables;
 mod usage;
 mod works;
 mod writer;
@@ -29,9 +30,7 @@ use std::thread::JoinHandle;
 
 use bytes::Bytes;
 use counterpoint_kernel::dialog::answers::Answer;
-use redb::{
-    Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction,
-};
+use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, TableHandle as _};
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::{NoContext, Timestamp, Uuid};
 
@@ -46,6 +45,7 @@ use crate::reason::Refusal;
 use crate::tenant;
 pub(crate) use lost::{lost, lost_by, lost_for_good, not_lost};
 use rows::{get, next_job, parse, put, readable, take_out};
+use tables::Tables;
 use writer::{Operation, Place, Shared};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
@@ -178,12 +178,12 @@ impl LocalLedger {
 
     fn operation<R: Send + 'static>(
         tenant: &str,
-        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
+        work: impl FnOnce(&Tables<'_>) -> Result<R, Refusal> + Send + 'static,
         then: impl FnOnce(&R) + Send + 'static,
     ) -> (Operation, oneshot::Receiver<Result<R, Refusal>>) {
         let (answer, answered) = oneshot::channel();
-        let work: writer::Work = Box::new(move |txn| {
-            let result = work(txn);
+        let work: writer::Work = Box::new(move |tables| {
+            let result = work(tables);
             Box::new(move |committed| {
                 let result = committed.and(result);
                 if let Ok(done) = &result {
@@ -198,7 +198,7 @@ impl LocalLedger {
     /// Does `work` in a transaction; answers after the commit. `work` must decide before it writes.
     async fn write<R: Send + 'static>(
         &self,
-        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
+        work: impl FnOnce(&Tables<'_>) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
         let (operation, answered) = Self::operation("", work, |_| ());
         self.operations()?.send(operation).await.map_err(|_| closed())?;
@@ -208,7 +208,7 @@ impl LocalLedger {
     /// Same as [`write`](Self::write) from a thread that may block.
     fn write_blocking<R: Send + 'static>(
         &self,
-        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
+        work: impl FnOnce(&Tables<'_>) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
         let (operation, answered) = Self::operation("", work, |_| ());
         self.operations()?.blocking_send(operation).map_err(|_| closed())?;
@@ -241,21 +241,21 @@ impl Ledger for LocalLedger {
         accepted: Accepted,
     ) -> Result<Submitted, Refusal> {
         let tenant = record.tenant.clone();
-        let submit = move |txn: &WriteTransaction| {
-            let mut requests = txn.open_table(REQUEST).map_err(storage)?;
+        let submit = move |tables: &Tables<'_>| {
+            let mut requests = tables.request()?;
             let request = tenant::key(&record.tenant, &record.request_id);
             let known = requests.get(request.as_str()).map_err(storage)?.map(|id| id.value().to_owned());
-            if let Some(known) = known.map(|id| get(txn, &id)).transpose()?.flatten() {
-                return same(txn, known, &record, &work);
+            if let Some(known) = known.map(|id| get(tables, &id)).transpose()?.flatten() {
+                return same(tables, known, &record, &work);
             }
             check(&work)?;
             // `Uuid::now_v7` would keep the time of a clock that was ahead once.
             let now = Uuid::new_v7(Timestamp::now(NoContext));
-            (record.id, record.submitted_ms) = next_job(txn, now)?;
-            put(txn, &record)?;
-            works::put(txn, &record.id, &work)?;
-            index::add(txn, &record)?;
-            blob_refs::add(txn, &blob_refs::of_job(&record.tenant, &work))?;
+            (record.id, record.submitted_ms) = next_job(tables, now)?;
+            put(tables, &record)?;
+            works::put(tables, &record.id, &work)?;
+            index::add(tables, &record)?;
+            blob_refs::add(tables, &blob_refs::of_job(&record.tenant, &work))?;
             requests.insert(request.as_str(), record.id.as_str()).map_err(storage)?;
             Ok(Submitted::New(Box::new(record)))
         };
@@ -269,30 +269,30 @@ impl Ledger for LocalLedger {
     }
 
     async fn update(&self, record: Record) -> Result<(), Refusal> {
-        self.write(move |txn| put(txn, &record)).await
+        self.write(move |tables| put(tables, &record)).await
     }
 
     async fn flag_cancel(&self, id: String) -> Result<(), Refusal> {
-        self.write(move |txn| match get(txn, &id)? {
-            Some(record) if !record.state.ended() => put(txn, &Record { cancel: true, ..record }),
+        self.write(move |tables| match get(tables, &id)? {
+            Some(record) if !record.state.ended() => put(tables, &Record { cancel: true, ..record }),
             _ => Ok(()),
         })
         .await
     }
 
     async fn flag_paused(&self, id: String, paused: bool) -> Result<(), Refusal> {
-        self.write(move |txn| match get(txn, &id)? {
-            Some(record) if !record.state.ended() => put(txn, &Record { paused, ..record }),
+        self.write(move |tables| match get(tables, &id)? {
+            Some(record) if !record.state.ended() => put(tables, &Record { paused, ..record }),
             _ => Ok(()),
         })
         .await
     }
 
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal> {
-        self.write(move |txn| match (get(txn, &id)?, works::get(txn, &id)?) {
+        self.write(move |tables| match (get(tables, &id)?, works::get(tables, &id)?) {
             (Some(record), Some(mut work)) if !record.state.ended() => {
                 work.answers.push((channel, answer));
-                works::put(txn, &id, &work)
+                works::put(tables, &id, &work)
             }
             _ => Ok(()),
         })
@@ -300,22 +300,19 @@ impl Ledger for LocalLedger {
     }
 
     fn update_blocking(&self, record: Record) -> Result<(), Refusal> {
-        self.write_blocking(move |txn| put(txn, &record))
+        self.write_blocking(move |tables| put(tables, &record))
     }
 
     fn end(&self, record: Record, log: Option<Bytes>, then: Then) {
         let then = Reply(Some(then));
         let tenant = number(&record.tenant);
-        let work: writer::Work = Box::new(move |txn| {
+        let work: writer::Work = Box::new(move |tables| {
             let keep = || {
                 if let Some(log) = log {
                     let row = seal::bytes(LOG.name(), &record.id, &log);
-                    txn.open_table(LOG)
-                        .map_err(storage)?
-                        .insert(record.id.as_str(), row.as_slice())
-                        .map_err(storage)?;
+                    tables.log()?.insert(record.id.as_str(), row.as_slice()).map_err(storage)?;
                 }
-                put(txn, &record)
+                put(tables, &record)
             };
             let kept = keep();
             Box::new(move |committed| then.give(committed.and(kept)))
@@ -335,7 +332,7 @@ impl Ledger for LocalLedger {
     }
 
     async fn remove(&self, record: Record) -> Result<bool, Refusal> {
-        self.write(move |txn| take_out(txn, &record.id, record.ages_from())).await
+        self.write(move |tables| take_out(tables, &record.id, record.ages_from())).await
     }
 
     fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
@@ -343,7 +340,7 @@ impl Ledger for LocalLedger {
     }
 
     fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<Vec<bool>, Refusal> {
-        self.write_blocking(move |txn| jobs.iter().map(|job| take_out(txn, &job.id, job.ended_ms)).collect())
+        self.write_blocking(move |tables| jobs.iter().map(|job| take_out(tables, &job.id, job.ended_ms)).collect())
     }
 
     fn job(&self, id: &str) -> Result<Option<Record>, Refusal> {
@@ -398,7 +395,7 @@ impl Ledger for LocalLedger {
     }
 
     fn keep_highest(&self, ms: i64) -> Result<(), Refusal> {
-        self.write_blocking(move |txn| schema::keep_highest(txn, ms))
+        self.write_blocking(move |tables| schema::keep_highest(tables.alone(), ms))
     }
 
     fn epoch(&self) -> u64 {
@@ -406,11 +403,11 @@ impl Ledger for LocalLedger {
     }
 
     async fn put_machine(&self, definition: Definition, check: Check<Definition>) -> Result<(), Refusal> {
-        self.write(move |txn| machines::put(txn, &definition, check)).await
+        self.write(move |tables| machines::put(tables, &definition, check)).await
     }
 
     async fn remove_machine(&self, tenant: String, name: String, trusted: bool) -> Result<bool, Refusal> {
-        self.write(move |txn| machines::remove(txn, &tenant, &name, trusted)).await
+        self.write(move |tables| machines::remove(tables, &tenant, &name, trusted)).await
     }
 
     fn collect_blocking(
@@ -420,11 +417,11 @@ impl Ledger for LocalLedger {
         remove: Box<dyn Fn(&str) -> bool + Send>,
     ) -> Result<usize, Refusal> {
         let (shared, tenant) = (self.shared.clone(), tenant.to_owned());
-        self.write_blocking(move |txn| {
+        self.write_blocking(move |tables| {
             // A row that goes in this very transaction is still there when the transaction fails.
             let durable = shared.current().ok_or_else(closed)?.begin_read().map_err(storage)?;
             let durable = durable.open_table(blob_refs::BLOB).map_err(storage)?;
-            let table = txn.open_table(blob_refs::BLOB).map_err(storage)?;
+            let table = tables.blob()?;
             let mut removed = 0;
             for digest in &digests {
                 let key = tenant::key(&tenant, digest);
@@ -493,10 +490,10 @@ impl Drop for LocalLedger {
 }
 
 /// The answer to a submit whose request id is known.
-fn same(txn: &WriteTransaction, known: Record, asked: &Record, asked_work: &Work) -> Result<Submitted, Refusal> {
+fn same(tables: &Tables<'_>, known: Record, asked: &Record, asked_work: &Work) -> Result<Submitted, Refusal> {
     let same = match known.asks_the_same(asked) {
         Some(same) => same,
-        None => works::get(txn, &known.id)?.is_some_and(|work| known.asks_the_same_work(&work, asked, asked_work)),
+        None => works::get(tables, &known.id)?.is_some_and(|work| known.asks_the_same_work(&work, asked, asked_work)),
     };
     if same { Ok(Submitted::Known(Box::new(known))) } else { Err(Refusal::RequestIdReused(asked.request_id.clone())) }
 }

@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use redb::{ReadTransaction, ReadableTable, ReadableTableMetadata, TableDefinition, WriteTransaction};
 
+use super::tables::Tables;
 use super::{JOB, readable, storage, works};
 use crate::ledger::record::Record;
 use crate::ledger::{Ended, Keep, Kept};
@@ -18,16 +19,16 @@ pub(super) const ENDED: TableDefinition<'_, (i64, &str), (u64, &str)> = TableDef
 const EARLIER: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
 
 /// Lists a job that has ended, with its bytes; returns those that it was listed with before.
-pub(super) fn list(txn: &WriteTransaction, record: &Record, bytes: u64) -> Result<Option<u64>, Refusal> {
-    let mut table = txn.open_table(ENDED).map_err(storage)?;
+pub(super) fn list(tables: &Tables<'_>, record: &Record, bytes: u64) -> Result<Option<u64>, Refusal> {
+    let mut table = tables.ended()?;
     let key = (record.ages_from(), record.id.as_str());
     let before = table.insert(key, (bytes, record.tenant.as_str())).map_err(storage)?;
     Ok(before.map(|row| row.value().0))
 }
 
 /// Takes a job out of the list; returns its bytes.
-pub(super) fn unlist(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<u64, Refusal> {
-    let mut table = txn.open_table(ENDED).map_err(storage)?;
+pub(super) fn unlist(tables: &Tables<'_>, id: &str, ended_ms: i64) -> Result<u64, Refusal> {
+    let mut table = tables.ended()?;
     let before = table.remove((ended_ms, id)).map_err(storage)?;
     Ok(before.map_or(0, |row| row.value().0))
 }
@@ -47,12 +48,12 @@ pub(super) fn listed(txn: &ReadTransaction) -> Result<BTreeSet<(i64, String)>, R
 pub(super) fn list_all(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
     let mut ended = txn.open_table(ENDED).map_err(storage)?;
     ended.retain(|_, _| false).map_err(storage)?;
-    let jobs = txn.open_table(JOB).map_err(storage)?;
+    let (tables, jobs) = (Tables::of(txn), txn.open_table(JOB).map_err(storage)?);
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
         if let Some(record) = readable::<Record>(JOB, id.value(), row.value()).filter(|record| record.state.ended()) {
             let bytes = store.job_bytes(id.value()).max(record.runs.stored_bytes);
-            let bytes = bytes.saturating_add(works::bytes(txn, id.value())?);
+            let bytes = bytes.saturating_add(works::bytes(&tables, id.value())?);
             ended.insert((record.ages_from(), id.value()), (bytes, record.tenant.as_str())).map_err(storage)?;
         }
     }
@@ -162,7 +163,7 @@ mod tests {
         // Ended in another order than accepted.
         for (id, ended_ms, bytes) in [("a", 300, 10), ("b", 100, 20), ("c", 200, 30), ("d", 400, 40)] {
             let ended = Record { state: State::Succeeded, ended_ms, ..record(id) };
-            list(&txn, &ended, bytes).unwrap();
+            list(&Tables::of(&txn), &ended, bytes).unwrap();
         }
         txn.commit().unwrap();
         let expired = |keep: Keep, most| -> String {
@@ -180,7 +181,7 @@ mod tests {
         assert_eq!(expired(Keep { bytes: Some(0), age_ms: Some(1), ..keep() }, 9), "bcad");
         assert_eq!(expired(Keep { jobs: Some(3), age_ms: Some(750), bytes: Some(49), ..keep() }, 9), "bca");
         let txn = database.begin_write().unwrap();
-        unlist(&txn, "b", 100).unwrap();
+        unlist(&Tables::of(&txn), "b", 100).unwrap();
         txn.commit().unwrap();
         assert_eq!(expired(Keep { jobs: Some(2), ..keep() }, 9), "c");
     }
@@ -198,7 +199,7 @@ mod tests {
             ("e", "two", 500, 20),
         ] {
             let ended = Record { state: State::Succeeded, ended_ms, tenant: tenant.to_owned(), ..record(id) };
-            list(&txn, &ended, bytes).unwrap();
+            list(&Tables::of(&txn), &ended, bytes).unwrap();
         }
         txn.commit().unwrap();
         let expired = |keep: Keep, most| -> String {

@@ -2,10 +2,11 @@
 //!
 //! Invariant: a row and its lists, counts and work change in the same transaction.
 
-use redb::{ReadableTable, TableHandle as _, WriteTransaction};
+use redb::{ReadableTable, TableHandle as _};
 use uuid::Uuid;
 
-use super::{JOB, LOG, REQUEST, Rows, blob_refs, equal, index, retention, seal, storage, usage, works};
+use super::tables::Tables;
+use super::{JOB, Rows, blob_refs, equal, index, retention, seal, storage, usage, works};
 use crate::ledger::record::Record;
 use crate::ledger::time_of;
 use crate::reason::Refusal;
@@ -30,8 +31,8 @@ const MOST_BACK_MS: i64 = 60_000;
 
 /// The next identity, ascending in the order of acceptance, and the time of the submit, ms since 1970. `now` has the
 /// time of the clock, which may have been set back.
-pub(super) fn next_job(txn: &WriteTransaction, now: Uuid) -> Result<(String, i64), Refusal> {
-    let table = txn.open_table(JOB).map_err(storage)?;
+pub(super) fn next_job(tables: &Tables<'_>, now: Uuid) -> Result<(String, i64), Refusal> {
+    let table = tables.job()?;
     let last = table.last().map_err(storage)?.and_then(|(id, _)| Uuid::parse_str(id.value()).ok());
     Ok((after(last, now).to_string(), submitted_ms(last.map_or(0, time_of), time_of(now))))
 }
@@ -51,43 +52,40 @@ fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
 }
 
 /// Stores the row of a job; one that has ended is listed as such.
-pub(super) fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
+pub(super) fn put(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     let bytes = seal::json(JOB.name(), &record.id, record)?;
-    txn.open_table(JOB).map_err(storage)?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
+    tables.job()?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
     if !record.state.ended() {
         return Ok(());
     }
-    let bytes = record.runs.stored_bytes.saturating_add(works::bytes(txn, &record.id)?);
-    let before = retention::list(txn, record, bytes)?;
-    index::end(txn, record)?;
-    equal::add(txn, record)?;
-    usage::ended(txn, record, bytes, before)
+    let bytes = record.runs.stored_bytes.saturating_add(works::bytes(tables, &record.id)?);
+    let before = retention::list(tables, record, bytes)?;
+    index::end(tables, record)?;
+    equal::add(tables, record)?;
+    usage::ended(tables, record, bytes, before)
 }
 
 /// Removes an ended job with all that belongs to it; `false` if it is gone already.
-pub(super) fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<bool, Refusal> {
-    let bytes = retention::unlist(txn, id, ended_ms)?;
-    let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
-    txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
-    let work = works::remove(txn, id)?;
+pub(super) fn take_out(tables: &Tables<'_>, id: &str, ended_ms: i64) -> Result<bool, Refusal> {
+    let bytes = retention::unlist(tables, id, ended_ms)?;
+    let row = tables.job()?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
+    tables.log()?.remove(id).map_err(storage)?;
+    let work = works::remove(tables, id)?;
     let Some(row) = row else { return Ok(false) };
     let Some(record) = readable::<Record>(JOB, id, &row) else { return Ok(true) };
-    txn.open_table(REQUEST)
-        .map_err(storage)?
-        .remove(tenant::key(&record.tenant, &record.request_id).as_str())
-        .map_err(storage)?;
-    index::remove(txn, &record)?;
-    equal::remove(txn, &record)?;
-    usage::removed(txn, &record.tenant, bytes)?;
+    tables.request()?.remove(tenant::key(&record.tenant, &record.request_id).as_str()).map_err(storage)?;
+    index::remove(tables, &record)?;
+    equal::remove(tables, &record)?;
+    usage::removed(tables, &record.tenant, bytes)?;
     if let Some(work) = work {
-        blob_refs::subtract(txn, &blob_refs::of_job(&record.tenant, &work))?;
+        blob_refs::subtract(tables, &blob_refs::of_job(&record.tenant, &work))?;
     }
     Ok(true)
 }
 
 /// The row of a job.
-pub(super) fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
-    let table = txn.open_table(JOB).map_err(storage)?;
+pub(super) fn get(tables: &Tables<'_>, id: &str) -> Result<Option<Record>, Refusal> {
+    let table = tables.job()?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(JOB, id, row.value())).transpose()
 }
@@ -116,12 +114,13 @@ mod tests {
         let backend = redb::backends::InMemoryBackend::new();
         let database = redb::Database::builder().create_with_backend(backend).unwrap();
         let txn = database.begin_write().unwrap();
+        let tables = Tables::of(&txn);
         let mut last = String::new();
         clock.map(|ms| {
             let at = Timestamp::from_unix(NoContext, ms / 1000, (ms % 1000) as u32 * 1_000_000);
-            let (id, submitted_ms) = next_job(&txn, Uuid::new_v7(at)).unwrap();
+            let (id, submitted_ms) = next_job(&tables, Uuid::new_v7(at)).unwrap();
             assert!(id > last, "identities ascend");
-            put(&txn, &Record { submitted_ms, ..record(&id) }).unwrap();
+            put(&tables, &Record { submitted_ms, ..record(&id) }).unwrap();
             last = id;
             submitted_ms
         })

@@ -12,8 +12,8 @@ use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableHand
 
 use super::writer::Place;
 use super::{
-    JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, equal, index, leaves, machine_bytes, retention, rows, schema, seal, storage,
-    usage, works,
+    JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, equal, index, leaves, machine_bytes, retention, rows, schema, seal,
+    storage, usage, works,
 };
 use crate::ledger::record::Record;
 use crate::local::contained::{contained, damaged};

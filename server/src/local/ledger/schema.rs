@@ -5,7 +5,9 @@
 
 use redb::{ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 
-use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, equal, index, machine_bytes, retention, seal, storage, usage, works};
+use super::{
+    JOB, LOG, MACHINE, REQUEST, blob_refs, equal, index, machine_bytes, retention, seal, storage, usage, works,
+};
 use crate::ledger::record::now_ms;
 use crate::local::store::Store;
 use crate::reason::Refusal;

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use redb::{ReadTransaction, ReadableTable, TableDefinition, WriteTransaction};
 
+use super::tables::Tables;
 use super::{JOB, readable, retention, storage};
 use crate::ledger::record::Record;
 use crate::ledger::{Usage, day};
@@ -34,8 +35,8 @@ pub(super) fn all(txn: &ReadTransaction) -> Result<Vec<(String, Usage)>, Refusal
     rows.collect()
 }
 
-fn change(txn: &WriteTransaction, tenant: &str, change: impl FnOnce(&mut Usage)) -> Result<(), Refusal> {
-    let mut table = txn.open_table(USAGE).map_err(storage)?;
+fn change(tables: &Tables<'_>, tenant: &str, change: impl FnOnce(&mut Usage)) -> Result<(), Refusal> {
+    let mut table = tables.usage()?;
     let mut now = table.get(tenant).map_err(storage)?.map(|row| usage(row.value())).unwrap_or_default();
     change(&mut now);
     table.insert(tenant, (now.bytes, now.day, now.cpu_us)).map_err(storage)?;
@@ -43,8 +44,8 @@ fn change(txn: &WriteTransaction, tenant: &str, change: impl FnOnce(&mut Usage))
 }
 
 /// A job has ended that takes this many bytes, and took so many in the list before if it was there.
-pub(super) fn ended(txn: &WriteTransaction, record: &Record, bytes: u64, before: Option<u64>) -> Result<(), Refusal> {
-    change(txn, &record.tenant, |usage| {
+pub(super) fn ended(tables: &Tables<'_>, record: &Record, bytes: u64, before: Option<u64>) -> Result<(), Refusal> {
+    change(tables, &record.tenant, |usage| {
         usage.bytes = usage.bytes.saturating_sub(before.unwrap_or(0)).saturating_add(bytes);
         if before.is_none() {
             let day = day(record.ended_ms);
@@ -55,8 +56,8 @@ pub(super) fn ended(txn: &WriteTransaction, record: &Record, bytes: u64, before:
 }
 
 /// A job that took this many bytes is removed.
-pub(super) fn removed(txn: &WriteTransaction, tenant: &str, bytes: u64) -> Result<(), Refusal> {
-    change(txn, tenant, |usage| usage.bytes = usage.bytes.saturating_sub(bytes))
+pub(super) fn removed(tables: &Tables<'_>, tenant: &str, bytes: u64) -> Result<(), Refusal> {
+    change(tables, tenant, |usage| usage.bytes = usage.bytes.saturating_sub(bytes))
 }
 
 /// Bytes by tenant, as the list of ended jobs has them.

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 
 use redb::{ReadTransaction, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 
+use super::tables::Tables;
 use super::{JOB, parse, readable, seal, storage};
 use crate::ledger::record::{Record, Work};
 use crate::reason::Refusal;
@@ -14,15 +15,15 @@ use crate::reason::Refusal;
 pub(super) const WORK: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("work");
 
 /// Stores the work of a job.
-pub(super) fn put(txn: &WriteTransaction, id: &str, work: &Work) -> Result<(), Refusal> {
+pub(super) fn put(tables: &Tables<'_>, id: &str, work: &Work) -> Result<(), Refusal> {
     let bytes = seal::json(WORK.name(), id, work)?;
-    txn.open_table(WORK).map_err(storage)?.insert(id, bytes.as_slice()).map_err(storage)?;
+    tables.work()?.insert(id, bytes.as_slice()).map_err(storage)?;
     Ok(())
 }
 
 /// The work of a job, if there is one.
-pub(super) fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Work>, Refusal> {
-    let table = txn.open_table(WORK).map_err(storage)?;
+pub(super) fn get(tables: &Tables<'_>, id: &str) -> Result<Option<Work>, Refusal> {
+    let table = tables.work()?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(WORK, id, row.value())).transpose()
 }
@@ -35,14 +36,14 @@ pub(super) fn read(txn: &ReadTransaction, id: &str) -> Result<Option<Work>, Refu
 }
 
 /// Bytes of the work of a job.
-pub(super) fn bytes(txn: &WriteTransaction, id: &str) -> Result<u64, Refusal> {
-    let table = txn.open_table(WORK).map_err(storage)?;
+pub(super) fn bytes(tables: &Tables<'_>, id: &str) -> Result<u64, Refusal> {
+    let table = tables.work()?;
     Ok(table.get(id).map_err(storage)?.map_or(0, |row| row.value().len() as u64))
 }
 
 /// Removes the work of a job and returns it, if it can be read.
-pub(super) fn remove(txn: &WriteTransaction, id: &str) -> Result<Option<Work>, Refusal> {
-    let mut table = txn.open_table(WORK).map_err(storage)?;
+pub(super) fn remove(tables: &Tables<'_>, id: &str) -> Result<Option<Work>, Refusal> {
+    let mut table = tables.work()?;
     let row = table.remove(id).map_err(storage)?;
     Ok(row.and_then(|row| readable(WORK, id, row.value())))
 }
@@ -82,7 +83,7 @@ pub(super) fn split_all(txn: &WriteTransaction) -> Result<(), Refusal> {
         let (Some(record), Some(work)) = (readable::<Record>(JOB, &id, &row), readable::<Work>(JOB, &id, &row)) else {
             continue;
         };
-        put(txn, &id, &work)?;
+        put(&Tables::of(txn), &id, &work)?;
         let (attended, stepped) = (work.options.attended, work.options.stepped);
         let bytes = seal::json(JOB.name(), &id, &Record { attended, stepped, ..record })?;
         jobs.insert(id.as_str(), bytes.as_slice()).map_err(storage)?;

@@ -10,11 +10,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
-use redb::{Database, WriteTransaction};
+use redb::Database;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::file::{Frozen, LedgerFile};
 use super::pace::Paces;
+use super::tables::Tables;
 use super::{compact, storage};
 use crate::ledger::Compacted;
 use crate::local::contained::contained;
@@ -35,7 +36,7 @@ const LOOK: Duration = Duration::from_millis(10);
 
 pub(super) type Reply = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
 /// Work in a transaction; dropping it answers that the ledger cannot be written.
-pub(super) type Work = Box<dyn FnOnce(&WriteTransaction) -> Reply + Send>;
+pub(super) type Work = Box<dyn FnOnce(&Tables<'_>) -> Reply + Send>;
 
 /// The operation to write, and its tenant: a number of its own, 0 for the server itself.
 pub(super) struct Operation {
@@ -285,18 +286,21 @@ fn commit(database: &Database, group: Vec<Operation>) -> bool {
         }
     };
     let mut replies: Vec<Reply> = Vec::with_capacity(group.len());
+    let tables = Tables::of(&txn);
     for operation in group {
-        match contained(|| (operation.work)(&txn)) {
+        match contained(|| (operation.work)(&tables)) {
             Ok(reply) => replies.push(reply),
             Err(error) => {
                 failed(&error);
                 // Nothing of the group is kept: dropping the replies answers that.
+                let _ = contained(|| drop(tables));
                 let _ = contained(|| drop(txn));
                 return false;
             }
         }
     }
-    let committed = contained(|| txn.commit()).and_then(|result| result.map_err(storage));
+    let committed =
+        contained(|| drop(tables)).and_then(|()| contained(|| txn.commit())).and_then(|result| result.map_err(storage));
     let result = committed.map_err(|error| storage(format!("the ledger cannot be written: {error}")));
     if let Err(error) = &result {
         failed(error);

@@ -1,0 +1,110 @@
+//! The tables of a transaction, each opened once for all operations of a group.
+//!
+//! To open and to close a table costs as much as to change a row. *Invariant:* a table is opened here or by the
+//! transaction itself, never by both at the same time: [`Tables::alone`] closes all tables first.
+
+use std::cell::{RefCell, RefMut};
+
+use redb::{Key, Table, TableDefinition, Value, WriteTransaction};
+
+use super::{JOB, LOG, REQUEST, blob_refs, equal, index, retention, storage, usage, works};
+use crate::reason::Refusal;
+
+/// A table, once it has been opened.
+type Slot<'t, K, V> = RefCell<Option<Table<'t, K, V>>>;
+/// An open table.
+type Open<'a, 't, K, V> = Result<RefMut<'a, Table<'t, K, V>>, Refusal>;
+
+/// The transaction of a group, and the tables that it has open.
+pub(super) struct Tables<'t> {
+    txn: &'t WriteTransaction,
+    job: Slot<'t, &'static str, &'static [u8]>,
+    work: Slot<'t, &'static str, &'static [u8]>,
+    log: Slot<'t, &'static str, &'static [u8]>,
+    request: Slot<'t, &'static str, &'static str>,
+    equal: Slot<'t, &'static str, &'static str>,
+    index: Slot<'t, (&'static str, &'static str), ()>,
+    blob: Slot<'t, &'static str, u64>,
+    ended: Slot<'t, (i64, &'static str), (u64, &'static str)>,
+    usage: Slot<'t, &'static str, (u64, u64, u64)>,
+}
+
+fn open<'a, 't, K: Key + 'static, V: Value + 'static>(
+    slot: &'a Slot<'t, K, V>,
+    txn: &'t WriteTransaction,
+    definition: TableDefinition<'_, K, V>,
+) -> Open<'a, 't, K, V> {
+    let mut slot = slot.try_borrow_mut().map_err(storage)?;
+    if slot.is_none() {
+        *slot = Some(txn.open_table(definition).map_err(storage)?);
+    }
+    RefMut::filter_map(slot, Option::as_mut).map_err(|_| storage("a table is not open"))
+}
+
+impl<'t> Tables<'t> {
+    /// Of a transaction that has no table open.
+    pub(super) fn of(txn: &'t WriteTransaction) -> Self {
+        Self {
+            txn,
+            job: Slot::default(),
+            work: Slot::default(),
+            log: Slot::default(),
+            request: Slot::default(),
+            equal: Slot::default(),
+            index: Slot::default(),
+            blob: Slot::default(),
+            ended: Slot::default(),
+            usage: Slot::default(),
+        }
+    }
+
+    /// The transaction, with all tables closed.
+    pub(super) fn alone(&self) -> &'t WriteTransaction {
+        self.job.take();
+        self.work.take();
+        self.log.take();
+        self.request.take();
+        self.equal.take();
+        self.index.take();
+        self.blob.take();
+        self.ended.take();
+        self.usage.take();
+        self.txn
+    }
+
+    pub(super) fn job(&self) -> Open<'_, 't, &'static str, &'static [u8]> {
+        open(&self.job, self.txn, JOB)
+    }
+
+    pub(super) fn work(&self) -> Open<'_, 't, &'static str, &'static [u8]> {
+        open(&self.work, self.txn, works::WORK)
+    }
+
+    pub(super) fn log(&self) -> Open<'_, 't, &'static str, &'static [u8]> {
+        open(&self.log, self.txn, LOG)
+    }
+
+    pub(super) fn request(&self) -> Open<'_, 't, &'static str, &'static str> {
+        open(&self.request, self.txn, REQUEST)
+    }
+
+    pub(super) fn equal(&self) -> Open<'_, 't, &'static str, &'static str> {
+        open(&self.equal, self.txn, equal::EQUAL)
+    }
+
+    pub(super) fn index(&self) -> Open<'_, 't, (&'static str, &'static str), ()> {
+        open(&self.index, self.txn, index::INDEX)
+    }
+
+    pub(super) fn blob(&self) -> Open<'_, 't, &'static str, u64> {
+        open(&self.blob, self.txn, blob_refs::BLOB)
+    }
+
+    pub(super) fn ended(&self) -> Open<'_, 't, (i64, &'static str), (u64, &'static str)> {
+        open(&self.ended, self.txn, retention::ENDED)
+    }
+
+    pub(super) fn usage(&self) -> Open<'_, 't, &'static str, (u64, u64, u64)> {
+        open(&self.usage, self.txn, usage::USAGE)
+    }
+}
