@@ -20,6 +20,7 @@ mod collect;
 #[cfg(target_os = "linux")]
 mod compact;
 mod connections;
+mod contract;
 mod damage;
 #[cfg(target_os = "linux")]
 mod descriptors;
@@ -61,6 +62,7 @@ mod pause;
 mod rate;
 mod refusals;
 mod rerun;
+mod roles;
 mod share;
 mod signed;
 mod slices;
