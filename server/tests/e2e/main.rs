@@ -36,6 +36,7 @@ mod find;
 mod flips;
 mod floods;
 mod folder;
+mod foreign;
 mod guard;
 mod guarded;
 mod gzip;

@@ -4,7 +4,6 @@ use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
 use counterpoint_server::options::{Options, Retention};
 use counterpoint_server::{backup, doctor};
-use tonic::{Code, Status};
 
 use crate::guarded::*;
 use crate::support::*;
@@ -24,66 +23,6 @@ async fn two(folder: &std::path::Path) -> Two {
     let server = Server::start(options.clone()).await;
     let [one, other] = tokens.map(|token| As::new(&server, &token));
     Two { server, options, one, other }
-}
-
-fn unknown<T>(answer: Result<T, Status>) {
-    let status = answer.map(drop).unwrap_err();
-    assert_eq!((status.code(), reason(&status).as_str()), (Code::NotFound, "UNKNOWN_JOB"));
-}
-
-#[tokio::test]
-async fn a_job_of_another_tenant_is_not_there_for_any_call() {
-    let folder = tempfile::tempdir().unwrap();
-    let Two { server, one, other, .. } = two(folder.path()).await;
-    let ended = one.submit("r-1", LATHE, "EVENTS 3\nWRITE a.txt").await.unwrap().job_id;
-    one.wait(&ended).await;
-    let running = one.submit("r-2", LATHE, "HANG").await.unwrap().job_id;
-    server_runs(&one, &running).await;
-    for id in [&ended, &running] {
-        let job_id = id.clone();
-        unknown(other.jobs().get_job(v1::GetJobRequest { job_id: job_id.clone() }).await);
-        let watch = v1::WatchJobRequest { job_id: job_id.clone(), ..Default::default() };
-        unknown(other.jobs().watch_job(watch).await);
-        unknown(other.jobs().wait_job(v1::WaitJobRequest { job_id: job_id.clone(), timeout_ms: 1 }).await);
-        unknown(other.jobs().cancel_job(v1::CancelJobRequest { job_id: job_id.clone() }).await);
-        unknown(other.jobs().pause_job(v1::PauseJobRequest { job_id: job_id.clone() }).await);
-        unknown(other.jobs().resume_job(v1::ResumeJobRequest { job_id: job_id.clone() }).await);
-        unknown(other.jobs().delete_job(v1::DeleteJobRequest { job_id: job_id.clone() }).await);
-        let results = || other.results();
-        let listing = v1::GetListingRequest { job_id: job_id.clone(), ..Default::default() };
-        unknown(results().get_listing(listing).await);
-        unknown(results().get_trace(v1::GetTraceRequest { job_id: job_id.clone(), channel: 1 }).await);
-        let timeline = v1::GetTimelineRequest { job_id: job_id.clone(), ..Default::default() };
-        unknown(results().get_timeline(timeline).await);
-        let toolpath = v1::GetToolpathRequest { job_id: job_id.clone(), ..Default::default() };
-        unknown(results().get_toolpath(toolpath).await);
-        unknown(results().get_summary(v1::GetSummaryRequest { job_id: job_id.clone() }).await);
-        unknown(results().get_events(v1::GetEventsRequest { job_id: job_id.clone() }).await);
-        unknown(results().list_files(v1::ListFilesRequest { job_id: job_id.clone(), ..Default::default() }).await);
-        let file = v1::GetFileRequest { job_id: job_id.clone(), path: "a.txt".into() };
-        unknown(results().get_file(file).await);
-        let first = v1::AttendRequest { content: Some(v1::attend_request::Content::JobId(job_id.clone())) };
-        unknown(other.operator().attend(tokio_stream::iter([first])).await);
-        let first = v1::DebugRequest { content: Some(v1::debug_request::Content::JobId(job_id)) };
-        unknown(other.operator().debug(tokio_stream::iter([first])).await);
-    }
-    assert!(other.list().await.is_empty());
-    assert_eq!(one.list().await, [ended, running.clone()]);
-    one.jobs().cancel_job(v1::CancelJobRequest { job_id: running.clone() }).await.unwrap();
-    assert_eq!(one.wait(&running).await.state(), v1::JobState::Cancelled);
-    server.stop().await;
-}
-
-async fn server_runs(caller: &As, job: &str) {
-    for _ in 0..1000 {
-        let request = v1::GetJobRequest { job_id: job.into() };
-        let status = caller.jobs().get_job(request).await.unwrap().into_inner().status.unwrap();
-        if status.state() == v1::JobState::Running {
-            return;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
-    }
-    panic!("{job} never ran");
 }
 
 #[tokio::test]
@@ -142,6 +81,39 @@ async fn a_file_is_there_only_for_the_tenant_that_has_uploaded_it() {
     let file = v1::MachineFile { path: "m/machine.toml".into(), digest: secret };
     let check = v1::CheckMachineRequest { name: "m".into(), files: vec![file] };
     assert_eq!(reason(&other.machines().check_machine(check).await.unwrap_err()), "MISSING_BLOBS");
+    server.stop().await;
+}
+
+/// The digest of a foreign file neither makes a machine nor passes for an upload; nothing is stored.
+#[tokio::test]
+async fn no_machine_is_made_of_the_files_of_another_tenant_or_of_paths_that_lead_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let Two { server, one, other, .. } = two(folder.path()).await;
+    let theirs = one.upload(b"extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n").await.unwrap();
+    let own = other.upload(b"extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n# mine\n").await.unwrap();
+    let file = |path: &str, digest: &str| v1::MachineFile { path: path.into(), digest: digest.into() };
+    let put = async |files: Vec<v1::MachineFile>| {
+        let request = v1::PutMachineRequest { name: "own".into(), files };
+        reason(&other.machines().put_machine(request).await.unwrap_err())
+    };
+    let machine = file("own/machine.toml", &own);
+    assert_eq!(put(vec![file("own/machine.toml", &theirs)]).await, "MISSING_BLOBS");
+    assert_eq!(put(vec![machine.clone(), file("own/part.mac", &theirs)]).await, "MISSING_BLOBS");
+    for path in ["../machine.toml", "own/../../x", "/etc/machine.toml", "own/./x", "own\\x", "C:/x", "..", ""] {
+        assert_eq!(put(vec![machine.clone(), file(path, &own)]).await, "INVALID_REQUEST", "{path}");
+        let check = v1::CheckMachineRequest { name: "own".into(), files: vec![machine.clone(), file(path, &own)] };
+        assert_eq!(reason(&other.machines().check_machine(check).await.unwrap_err()), "INVALID_REQUEST", "{path}");
+    }
+    let empty = v1::UploadRequest { digest: theirs.clone(), ..Default::default() };
+    let claimed = other.blobs().upload(tokio_stream::iter([empty])).await.unwrap_err();
+    assert_eq!(reason(&claimed), "DIGEST_MISMATCH");
+    let find = v1::FindMissingRequest { digests: vec![theirs.clone()] };
+    assert_eq!(other.blobs().find_missing(find).await.unwrap().into_inner().digests, [theirs]);
+    let list = v1::ListMachinesRequest::default();
+    let machines = other.machines().list_machines(list).await.unwrap().into_inner().machines;
+    assert!(machines.iter().all(|machine| machine.shipped), "{machines:?}");
+    let request = v1::PutMachineRequest { name: "own".into(), files: vec![machine] };
+    other.machines().put_machine(request).await.unwrap();
     server.stop().await;
 }
 
