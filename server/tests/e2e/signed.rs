@@ -4,6 +4,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use counterpoint_proto::v1;
 use rcgen::{KeyPair, PKCS_ED25519, SigningKey as _};
+use ring::hmac;
+use rustls::pki_types::SubjectPublicKeyInfoDer;
+use rustls::pki_types::pem::PemObject as _;
 
 use crate::guarded::*;
 use crate::support::*;
@@ -45,6 +48,14 @@ fn url64(bytes: &[u8]) -> String {
 fn sign(key: &KeyPair, header: &str, claims: &str) -> String {
     let text = format!("{}.{}", url64(header.as_bytes()), url64(claims.as_bytes()));
     format!("{text}.{}", url64(&key.sign(text.as_bytes()).unwrap()))
+}
+
+/// Signs with a shared secret (HS256).
+fn sign_shared(secret: &[u8], kid: &str, claims: &str) -> String {
+    let header = format!(r#"{{"alg":"HS256","kid":"{kid}"}}"#);
+    let text = format!("{}.{}", url64(header.as_bytes()), url64(claims.as_bytes()));
+    let tag = hmac::sign(&hmac::Key::new(hmac::HMAC_SHA256, secret), text.as_bytes());
+    format!("{text}.{}", url64(tag.as_ref()))
 }
 
 fn row(kid: &str, algorithm: &str, key: &str, more: &str) -> String {
@@ -135,6 +146,30 @@ async fn signed_tokens_that_prove_nothing_are_refused() {
     ];
     for (what, token) in cases {
         assert!(problem(&server, &token).await.is_some(), "{what}");
+    }
+    server.stop().await;
+}
+
+/// A public key is known to many, so it must never serve as a shared secret, in whatever form.
+#[tokio::test]
+async fn a_token_signed_with_a_public_key_as_its_secret_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let key = KeyPair::generate_for(&PKCS_ED25519).unwrap();
+    let pem = key.public_key_pem();
+    std::fs::write(&options.guard.access, row("ed", "EdDSA", &pem, "") + &row("rsa", "RS256", RSA, "")).unwrap();
+    let server = Server::start(options).await;
+    assert_eq!(problem(&server, RSA_TOKEN).await, None);
+    let claims = r#"{"sub":"ci","tenant":"milling","role":"submit","exp":4102444800}"#;
+    assert_eq!(problem(&server, &sign(&key, r#"{"alg":"EdDSA","kid":"ed"}"#, claims)).await, None);
+    for (kid, pem) in [("ed", pem.as_str()), ("rsa", RSA)] {
+        let der = SubjectPublicKeyInfoDer::from_pem_slice(pem.as_bytes()).unwrap();
+        // The key alone is in its structure after the algorithm: 12 bytes of Ed25519, 24 of RSA.
+        let secrets = [pem.as_bytes(), pem.trim_end().as_bytes(), &der, &der[12..], &der[24..], b""];
+        for secret in secrets {
+            let refused = problem(&server, &sign_shared(secret, kid, claims)).await;
+            assert!(refused.is_some(), "{kid}, a secret of {} bytes", secret.len());
+        }
     }
     server.stop().await;
 }

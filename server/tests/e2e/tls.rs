@@ -153,3 +153,33 @@ async fn a_handshake_that_does_not_come_holds_no_connection() {
     }
     stop(server).await;
 }
+
+/// Encryption alone gives no identities: the server does not open to the network, and on loopback each client that can
+/// connect is the administrator of the tenant `default`.
+#[tokio::test]
+async fn encryption_without_identities_stays_on_this_computer() {
+    let folder = tempfile::tempdir().unwrap();
+    let (authority, clients) = (Authority::new(), Authority::new());
+    let mut options = encrypted(folder.path(), &authority);
+    options.guard.access = Default::default();
+    options.guard.tls_client_ca = folder.path().join("clients.pem");
+    std::fs::write(&options.guard.tls_client_ca, &clients.pem).unwrap();
+    let open = Options { listen: "0.0.0.0:0".parse().unwrap(), ..options.clone() };
+    let error = service::build(open).await.unwrap_err().to_string();
+    assert!(error.contains("access") && error.contains("--insecure"), "{error}");
+    assert!(!options.data.exists(), "nothing is touched before that");
+
+    let server = start(options).await;
+    if let Ok(connection) = connect(&server.0, trusting(&authority)).await {
+        let caller = As { connection, bearer: Bearer(None) };
+        caller.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap_err();
+    }
+    let (certificate, key) = clients.certify("anything.example", ExtendedKeyUsagePurpose::ClientAuth);
+    let config = trusting(&authority).identity(Identity::from_pem(certificate, key));
+    let caller = As { connection: connect(&server.0, config).await.unwrap(), bearer: Bearer(None) };
+    let job = caller.submit("r", "fanuc-2path-lathe", "EVENTS 3").await.unwrap();
+    assert_eq!(job.tenant, "default");
+    let listed = caller.admin().list_connections(v1::ListConnectionsRequest {}).await.unwrap().into_inner();
+    assert_eq!(listed.connections.len(), 1, "the call needs the role admin");
+    stop(server).await;
+}

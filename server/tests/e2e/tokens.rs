@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use counterpoint_proto::v1;
+use counterpoint_server::access::Role;
 
 use crate::guarded::*;
 use crate::support::*;
@@ -54,4 +55,23 @@ async fn a_token_is_made_listed_and_revoked_and_the_server_follows_when_it_reads
         assert_eq!((code, out.as_str()), (Some(3), ""), "{refusal}");
         assert!(refusal.contains("tokens"), "{refusal}");
     }
+}
+
+/// The file of identities holds digests; none of its contents is a token.
+#[tokio::test]
+async fn the_content_of_the_file_of_identities_is_not_a_token() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let token = grant(&options, "ci", "t", Role::Admin);
+    let rows = std::fs::read_to_string(&options.guard.access).unwrap();
+    let server = Server::start(options).await;
+    assert!(As::new(&server, &token).list().await.is_empty(), "the token itself is known");
+    let digest = digest(token.as_bytes());
+    assert!(rows.contains(&digest), "{rows}");
+    let again = crate::support::digest(digest.as_bytes());
+    for stolen in [digest.clone(), digest.to_uppercase(), format!("cpt_{digest}"), format!("sha256:{digest}"), again] {
+        let answer = As::new(&server, &stolen).jobs().list_jobs(v1::ListJobsRequest::default()).await;
+        assert_eq!(reason(&answer.unwrap_err()), "UNAUTHENTICATED", "{stolen}");
+    }
+    server.stop().await;
 }
