@@ -68,12 +68,12 @@ pub(crate) fn name(path: &str) -> &'static str {
 /// Calls that are answered when the client or a job has done something, and streams that follow a job.
 const LASTING: &[&str] = &["WatchJob", "WaitJob", "Upload", "Attend", "WatchQuestions", "Debug"];
 
-/// Calls whose clients send messages as long as they last.
+/// Calls whose clients send messages as long as they last; the others include reflection, but not health checks.
 const SENDING: &[&str] = &["Upload", "Attend", "Debug", "other"];
 
 /// Whether a client of the call of a path may send any number of messages.
 pub(crate) fn sends_many(path: &str) -> bool {
-    SENDING.contains(&name(path))
+    SENDING.contains(&name(path)) && !path.starts_with("/grpc.health.v1.")
 }
 
 /// Whether the call of a path ends with the rights of its caller: it may last for hours.

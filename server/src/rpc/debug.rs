@@ -17,7 +17,7 @@ use tonic::{Response, Status, Streaming};
 use tracing::Instrument as _;
 
 use super::submit::small;
-use super::{door, job};
+use super::{door, first, job};
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::status;
@@ -41,7 +41,7 @@ pub(super) async fn debug(
     caller: Caller,
     mut told: Streaming<v1::DebugRequest>,
 ) -> Result<Response<Answers>, Status> {
-    let Some(Told::JobId(id)) = told.message().await?.and_then(|first| first.content) else {
+    let Some(Told::JobId(id)) = first(core, &mut told).await?.and_then(|first| first.content) else {
         return Err(Refusal::field("content", "the first message must name the job (job_id)").into());
     };
     door::id("job_id", &id)?;

@@ -17,11 +17,12 @@ mod watch_jobs;
 
 use std::io::{self, Write};
 use std::sync::Arc;
+use std::time::Duration;
 
 use bytes::{Bytes, BytesMut};
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
-use tonic::{Response, Status};
+use tonic::{Response, Status, Streaming};
 
 use crate::Record;
 use crate::access::Caller;
@@ -63,6 +64,13 @@ trait Chunk: Send + 'static {
 fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
     caller.about(id);
     core.job_of(caller.tenant(), id)
+}
+
+/// The first message of a client that sends many, unless it stalls.
+async fn first<T>(core: &Core, messages: &mut Streaming<T>) -> Result<Option<T>, Status> {
+    let seconds = core.options.connections.upload_stall_s;
+    let first = tokio::time::timeout(Duration::from_secs(seconds), messages.message()).await;
+    first.map_err(|_| Refusal::CallStalled(seconds))?
 }
 
 /// The part of a sorted list after the entry that `token` names, and the token of the next part. A `size` of 0 is the

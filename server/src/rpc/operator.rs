@@ -16,7 +16,7 @@ use tokio_stream::{Stream, StreamExt as _};
 use tonic::{Request, Response, Status, Streaming};
 use tracing::Instrument as _;
 
-use super::{Operator, door, job, submit};
+use super::{Operator, door, first, job, submit};
 use crate::Record;
 use crate::access::Caller;
 use crate::jobs::Core;
@@ -40,7 +40,7 @@ impl Service for Operator {
         request: Request<Streaming<v1::AttendRequest>>,
     ) -> Result<Response<Self::AttendStream>, Status> {
         let (caller, mut said) = (Caller::of(&request)?, request.into_inner());
-        let Some(Said::JobId(id)) = said.message().await?.and_then(|first| first.content) else {
+        let Some(Said::JobId(id)) = first(&self.0, &mut said).await?.and_then(|first| first.content) else {
             return Err(Refusal::field("content", "the first message must name the job (job_id)").into());
         };
         door::id("job_id", &id)?;

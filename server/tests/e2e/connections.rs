@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use counterpoint_proto::v1;
+use counterpoint_proto::{DESCRIPTORS, v1};
 use counterpoint_server::options::{Connections, Options};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
@@ -10,6 +10,8 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::Code;
 use tonic_types::StatusExt;
 
+use crate::contract::*;
+use crate::guarded::As;
 use crate::support::*;
 
 async fn connect(server: &Server) -> TcpStream {
@@ -87,6 +89,35 @@ async fn connections_are_limited_per_address_and_a_place_comes_back() {
         }
     }
     assert_eq!(place.len(), 1, "the place of the one that left is free again");
+    server.stop().await;
+}
+
+/// No call waits longer for its request, whatever it does with it.
+#[tokio::test]
+async fn a_call_whose_request_stands_still_is_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(Options {
+        connections: Connections { upload_stall_s: 1, ..Connections::default() },
+        ..options(folder.path())
+    })
+    .await;
+    let caller = As::nobody(&server);
+    let mut calls = tokio::task::JoinSet::new();
+    let sets = [DESCRIPTORS, tonic_health::pb::FILE_DESCRIPTOR_SET];
+    for method in sets.into_iter().flat_map(methods) {
+        let caller = caller.clone();
+        calls.spawn(async move {
+            let answer = call(&caller, &method.path, tokio_stream::pending()).await;
+            (method.path, answer.map(drop).unwrap_err())
+        });
+    }
+    let ended = tokio::time::timeout(Duration::from_secs(20), calls.join_all()).await.expect("every call ends");
+    for (path, refused) in ended {
+        let expected = if path.ends_with("/Upload") { "UPLOAD_STALLED" } else { "CALL_STALLED" };
+        assert_eq!((refused.code(), reason(&refused).as_str()), (Code::DeadlineExceeded, expected), "{path}");
+    }
+    let job = server.submit("r", "EVENTS 1").await;
+    assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded, "others are served");
     server.stop().await;
 }
 
