@@ -32,6 +32,8 @@ const ANSWERS: usize = 10_000;
 const STATES: usize = 16;
 const LEVELS: usize = 16;
 const CHANNELS: usize = 1000;
+/// Most warnings that a job switches off, and on.
+const WARNINGS: usize = 1000;
 /// Most digests of a question.
 const DIGESTS: usize = 10_000;
 /// Most bytes of a chunk of an upload.
@@ -98,7 +100,7 @@ fn path_is_clean(path: &str) -> bool {
 
 /// Labels, with a field for messages.
 fn labels(field: &str, labels: &BTreeMap<String, String>) -> Result<(), Refusal> {
-    check(labels.len() <= LABELS, field, format!("at most {LABELS} are allowed"))?;
+    entries(field, labels.len(), LABELS)?;
     for (key, value) in labels {
         let allowed = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b"._/-".contains(&b);
         let begins = key.starts_with(|c: char| c.is_ascii_lowercase() || c.is_ascii_digit());
@@ -124,7 +126,12 @@ fn files<'a>(files: impl Iterator<Item = (&'a str, &'a str)>) -> Result<(), Refu
 
 /// A list with a limit.
 fn list<T>(field: &str, list: &[T], most: usize) -> Result<(), Refusal> {
-    check(list.len() <= most, field, format!("must have at most {most} entries, has {}", list.len()))
+    entries(field, list.len(), most)
+}
+
+/// The number of entries of a list or map.
+pub(super) fn entries(field: &str, count: usize, most: usize) -> Result<(), Refusal> {
+    check(count <= most, field, format!("must have at most {most} entries, has {count}"))
 }
 
 /// Letters of a trace.
@@ -151,7 +158,7 @@ pub(super) fn answer(field: &str, answer: &v1::DialogAnswer) -> Result<(), Refus
     line(&format!("{field}.dialog"), &answer.dialog, PATH)?;
     line(&format!("{field}.button"), &answer.button, PATH)?;
     let values = format!("{field}.values");
-    check(answer.values.len() <= VALUES, &values, format!("at most {VALUES} are allowed"))?;
+    entries(&values, answer.values.len(), VALUES)?;
     answer.values.keys().try_for_each(|name| line(&values, name, PATH))
 }
 
@@ -292,6 +299,8 @@ impl Bounded for v1::SubmitJobRequest {
         list("options.opskip", &options.opskip, LEVELS)?;
         list("options.ignore_waits", &options.ignore_waits, CHANNELS)?;
         list("options.answers", &options.answers, ANSWERS)?;
+        list("options.warnings_off", &options.warnings_off, WARNINGS)?;
+        list("options.warnings_on", &options.warnings_on, WARNINGS)?;
         line("options.parameters", &options.parameters, PARAMETERS)?;
         let mut answers = options.answers.iter().enumerate();
         answers.try_for_each(|(at, of_dialog)| answer(&format!("options.answers[{at}]"), of_dialog))

@@ -14,6 +14,7 @@ use counterpoint_proto::v1;
 use prost::Message as _;
 
 use super::blocking;
+use super::door::entries;
 use crate::blobs::digest;
 use crate::jobs::Core;
 use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, Work, now_ms};
@@ -131,9 +132,7 @@ fn deadline(ms: i64) -> Result<i64, Refusal> {
 }
 
 fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>, Refusal> {
-    if files.len() > core.options.maxima.max_files {
-        return Err(Refusal::field("files", format!("at most {} are allowed", core.options.maxima.max_files)));
-    }
+    entries("files", files.len(), core.options.maxima.max_files)?;
     let mut found = BTreeMap::new();
     for (i, file) in files.iter().enumerate() {
         let field = format!("files[{i}]");
@@ -205,12 +204,8 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
 /// Warnings that are switched off and on; the numbers of errors are refused. Numbers that a machine defines are not
 /// known here.
 fn warnings(off: Vec<u32>, on: Vec<u32>) -> Result<[Vec<u32>; 2], Refusal> {
-    const MOST: usize = 1000;
     let is_error = |number: &u32| diag::severity(*number).is_some_and(|severity| severity >= 8);
     for (field, numbers) in [("options.warnings_off", &off), ("options.warnings_on", &on)] {
-        if numbers.len() > MOST {
-            return Err(Refusal::field(field, format!("has more than {MOST} numbers")));
-        }
         if let Some(number) = numbers.iter().find(|number| is_error(number)) {
             return Err(Refusal::field(field, format!("{number} is an error, which a job cannot switch")));
         }
@@ -328,8 +323,6 @@ fn content_of(request: &v1::SubmitJobRequest) -> String {
     format!("{CONTENT}{}", digest(&sent.encode_to_vec()))
 }
 
-/// Whether a path may be used inside a sandbox: relative, `/` between parts, no empty, `.` or `..` part, no
-/// backslash, no colon (drive or stream on some systems), no control character, at most 255 bytes.
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use counterpoint_proto::{DESCRIPTORS, v1};
 use prost::Message;
-use prost_types::field_descriptor_proto::Type;
+use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FileDescriptorSet};
 use tonic::codegen::http::uri::PathAndQuery;
 use tonic::{Code, Request};
@@ -15,39 +15,54 @@ use crate::support::*;
 /// Texts that only the size of the message bounds.
 const UNBOUNDED: [&str; 1] = ["DialogValue.text"];
 
-/// Texts in the requests of the contract: `Message.field`, of a map `Message.field.key` and `Message.field.value`.
-fn texts() -> BTreeSet<String> {
+/// Messages in the requests of the contract.
+fn messages() -> Vec<DescriptorProto> {
     let set = FileDescriptorSet::decode(DESCRIPTORS).unwrap();
     let messages: Vec<&DescriptorProto> = set.file.iter().flat_map(|file| &file.message_type).collect();
     let services = set.file.iter().flat_map(|file| &file.service).flat_map(|service| &service.method);
     let short = |name: &str| name.rsplit('.').next().unwrap().to_owned();
     let mut open: Vec<String> = services.map(|method| short(method.input_type())).collect();
-    let (mut seen, mut texts) = (BTreeSet::new(), BTreeSet::new());
+    let mut seen: Vec<DescriptorProto> = Vec::new();
     while let Some(name) = open.pop() {
         let Some(message) = messages.iter().find(|message| message.name() == name) else { continue };
-        if !seen.insert(name.clone()) {
+        if seen.iter().any(|known| known.name() == name) {
             continue;
         }
+        let fields = message.field.iter().chain(message.nested_type.iter().flat_map(|entry| &entry.field));
+        open.extend(fields.filter(|field| field.r#type() == Type::Message).map(|field| short(field.type_name())));
+        seen.push((*message).clone());
+    }
+    seen
+}
+
+/// Texts in the requests of the contract: `Message.field`, of a map `Message.field.key` and `Message.field.value`.
+fn texts() -> BTreeSet<String> {
+    let mut texts = BTreeSet::new();
+    for message in messages() {
         for field in &message.field {
-            let place = format!("{name}.{}", field.name());
+            let place = format!("{}.{}", message.name(), field.name());
             let of_map = message.nested_type.iter().find(|entry| field.type_name().ends_with(entry.name()));
             match (field.r#type(), of_map.filter(|_| field.r#type() == Type::Message)) {
                 (Type::String, _) => drop(texts.insert(place)),
                 (_, Some(entry)) => {
-                    for part in &entry.field {
-                        match part.r#type() {
-                            Type::String => drop(texts.insert(format!("{place}.{}", part.name()))),
-                            Type::Message => open.push(short(part.type_name())),
-                            _ => {}
-                        }
-                    }
+                    let parts = entry.field.iter().filter(|part| part.r#type() == Type::String);
+                    texts.extend(parts.map(|part| format!("{place}.{}", part.name())));
                 }
-                (Type::Message, None) => open.push(short(field.type_name())),
                 _ => {}
             }
         }
     }
     texts
+}
+
+/// Lists and maps in the requests of the contract: `Message.field`.
+fn lists() -> BTreeSet<String> {
+    let mut lists = BTreeSet::new();
+    for message in messages() {
+        let repeated = message.field.iter().filter(|field| field.label() == Label::Repeated);
+        lists.extend(repeated.map(|field| format!("{}.{}", message.name(), field.name())));
+    }
+    lists
 }
 
 /// Calls that have been refused, with the texts that were refused.
@@ -253,37 +268,93 @@ async fn breakpoints(door: &mut Door<'_>) {
     }
 }
 
-/// Lists as long as the limit and longer, and texts that are not of their kind.
+/// Every list of every request is refused with one entry more than `docs/api.md` allows.
+#[tokio::test]
+async fn every_list_of_every_request_has_a_limit_that_its_refusal_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let mut door = Door { server: &server, seen: BTreeSet::new() };
+    let find = v1::FindMissingRequest { digests: vec![digest(b"x"); 10_001] };
+    door.refuses("Blobs/FindMissing", find, "FindMissingRequest.digests", "digests").await;
+    let file = |at: usize| (format!("file-{at}"), digest(b"x"));
+    let files: Vec<_> = (0..1001).map(file).map(|(path, digest)| v1::MachineFile { path, digest }).collect();
+    let put = v1::PutMachineRequest { name: "own".into(), files: files.clone() };
+    door.refuses("Machines/PutMachine", put, "PutMachineRequest.files", "files").await;
+    let check = v1::CheckMachineRequest { name: "own".into(), files };
+    door.refuses("Machines/CheckMachine", check, "CheckMachineRequest.files", "files").await;
+    let labels = || (0..33).map(|at| (format!("k{at}"), String::new())).collect();
+    let rerun = v1::RerunJobRequest { request_id: "r".into(), labels: labels(), ..Default::default() };
+    door.refuses("Jobs/RerunJob", rerun, "RerunJobRequest.labels", "labels").await;
+    let states = vec![v1::JobState::Queued as i32; 17];
+    let list = v1::ListJobsRequest { states: states.clone(), ..Default::default() };
+    door.refuses("Jobs/ListJobs", list, "ListJobsRequest.states", "states").await;
+    for (text, filter) in [
+        ("states", v1::JobFilter { states, ..Default::default() }),
+        ("labels", v1::JobFilter { labels: labels(), ..Default::default() }),
+    ] {
+        let (field, text, filter) = (format!("filter.{text}"), format!("JobFilter.{text}"), Some(filter));
+        let list = v1::ListJobsRequest { filter: filter.clone(), ..Default::default() };
+        door.refuses("Jobs/ListJobs", list, &text, &field).await;
+        let watch = v1::WatchJobsRequest { filter: filter.clone(), ..Default::default() };
+        door.refuses("Jobs/WatchJobs", watch, &text, &field).await;
+        let cancel = v1::CancelJobsRequest { filter: filter.clone(), ..Default::default() };
+        door.refuses("Jobs/CancelJobs", cancel, &text, &field).await;
+        let delete = v1::DeleteJobsRequest { filter, ..Default::default() };
+        door.refuses("Jobs/DeleteJobs", delete, &text, &field).await;
+    }
+    let whole = server.request("r", "EVENTS 1").await;
+    let program = |_| v1::Program { path: "main.nc".into(), ..Default::default() };
+    let submits = [
+        ("programs", v1::SubmitJobRequest { programs: (0..65).map(program).collect(), ..whole.clone() }),
+        ("labels", v1::SubmitJobRequest { labels: labels(), ..whole.clone() }),
+        ("files", {
+            let more = (0..1000).map(file).map(|(path, digest)| v1::FileRef { path, digest });
+            v1::SubmitJobRequest { files: whole.files.iter().cloned().chain(more).collect(), ..whole.clone() }
+        }),
+    ];
+    for (field, request) in submits {
+        door.refuses("Jobs/SubmitJob", request, &format!("SubmitJobRequest.{field}"), field).await;
+    }
+    let answer = v1::DialogAnswer { dialog: "D".into(), ..Default::default() };
+    let values = (0..1001).map(|at| (format!("v{at}"), v1::DialogValue::default())).collect();
+    let many = v1::DialogAnswer { values, ..answer.clone() };
+    for (text, options) in [
+        ("JobOptions.opskip", v1::JobOptions { opskip: vec![1; 17], ..Default::default() }),
+        ("JobOptions.ignore_waits", v1::JobOptions { ignore_waits: vec![1; 1001], ..Default::default() }),
+        ("JobOptions.answers", v1::JobOptions { answers: vec![answer; 10_001], ..Default::default() }),
+        ("JobOptions.warnings_off", v1::JobOptions { warnings_off: vec![77; 1001], ..Default::default() }),
+        ("JobOptions.warnings_on", v1::JobOptions { warnings_on: vec![77; 1001], ..Default::default() }),
+        ("DialogAnswer.values", v1::JobOptions { answers: vec![many], ..Default::default() }),
+    ] {
+        let request = v1::SubmitJobRequest { options: Some(options), ..whole.clone() };
+        let field = if text.ends_with("values") { "options.answers[0].values" } else { &text["JobOptions.".len()..] };
+        let field = format!("options.{}", field.trim_start_matches("options."));
+        door.refuses("Jobs/SubmitJob", request, text, &field).await;
+    }
+    assert_eq!(door.seen, lists());
+    server.stop().await;
+}
+
+/// Lists as long as their limits pass, and texts that are not of their kind are refused.
 #[tokio::test]
 async fn lists_have_limits_and_letters_tokens_and_names_are_of_their_kind() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(options(folder.path())).await;
     let mut door = Door { server: &server, seen: BTreeSet::new() };
-    for states in [17, 1_000_000] {
-        let states = vec![v1::JobState::Queued as i32; states];
-        let list = v1::ListJobsRequest { states: states.clone(), ..Default::default() };
-        door.refuses("Jobs/ListJobs", list, "", "states").await;
-        let filter = Some(v1::JobFilter { states, ..Default::default() });
-        let list = v1::ListJobsRequest { filter: filter.clone(), ..Default::default() };
-        door.refuses("Jobs/ListJobs", list, "", "filter.states").await;
-        let watch = v1::WatchJobsRequest { filter, ..Default::default() };
-        door.refuses("Jobs/WatchJobs", watch, "", "filter.states").await;
-    }
+    let states = vec![v1::JobState::Queued as i32; 1_000_000];
+    let list = v1::ListJobsRequest { states, ..Default::default() };
+    door.refuses("Jobs/ListJobs", list, "", "states").await;
     let list = v1::ListJobsRequest { states: vec![v1::JobState::Queued as i32; 16], ..Default::default() };
     server.jobs().list_jobs(list).await.unwrap();
-    let find = v1::FindMissingRequest { digests: vec![digest(b"x"); 10_001] };
-    door.refuses("Blobs/FindMissing", find, "", "digests").await;
+    let find = v1::FindMissingRequest { digests: vec![digest(b"x"); 10_000] };
+    server.blobs().find_missing(find).await.unwrap();
     let whole = server.request("r", "EVENTS 1").await;
     let of = |options: v1::JobOptions| v1::SubmitJobRequest { options: Some(options), ..whole.clone() };
-    let answers = vec![v1::DialogAnswer { dialog: "D".into(), ..Default::default() }; 10_001];
-    for (field, options) in [
-        ("options.opskip", v1::JobOptions { opskip: vec![1; 17], ..Default::default() }),
-        ("options.ignore_waits", v1::JobOptions { ignore_waits: vec![1; 1001], ..Default::default() }),
-        ("options.answers", v1::JobOptions { answers, ..Default::default() }),
-        ("options.trace", v1::JobOptions { trace: "Q!?".into(), ..Default::default() }),
-        ("options.trace", v1::JobOptions { trace: "b\u{2028}a".into(), ..Default::default() }),
+    for options in [
+        v1::JobOptions { trace: "Q!?".into(), ..Default::default() },
+        v1::JobOptions { trace: "b\u{2028}a".into(), ..Default::default() },
     ] {
-        door.refuses("Jobs/SubmitJob", of(options), "", field).await;
+        door.refuses("Jobs/SubmitJob", of(options), "", "options.trace").await;
     }
     let longest = format!("{}@{}", "m".repeat(64), "0".repeat(16));
     let get = |name: String| v1::GetMachineRequest { name, ..Default::default() };
@@ -295,8 +366,15 @@ async fn lists_have_limits_and_letters_tokens_and_names_are_of_their_kind() {
     door.refuses("Machines/ListMachines", list, "", "page_token").await;
     // A limit above the maximum means the maximum; a token is that of a page.
     let limits = v1::JobLimits { nesting: u32::MAX, ..Default::default() };
-    let options =
-        v1::JobOptions { limits: Some(limits), opskip: vec![1; 16], trace: "iEw".into(), ..Default::default() };
+    let options = v1::JobOptions {
+        limits: Some(limits),
+        opskip: vec![1; 16],
+        ignore_waits: vec![9999; 1000],
+        warnings_off: vec![77; 1000],
+        warnings_on: vec![78; 1000],
+        trace: "iEw".into(),
+        ..Default::default()
+    };
     let job = server.jobs().submit_job(of(options)).await.unwrap().into_inner().status.unwrap().job_id;
     server.wait(&job).await;
     assert_eq!(server.script.limits.lock().unwrap().as_ref().unwrap().nesting, 1000);
