@@ -49,6 +49,7 @@ impl Service for Machines {
         request: Request<v1::GetMachineRequest>,
     ) -> Result<Response<v1::GetMachineResponse>, Status> {
         let (core, (caller, request)) = (self.0.clone(), enter(request)?);
+        caller.about(&request.name);
         let section = v1::MachineSection::try_from(request.section)
             .map_err(|_| Refusal::field("section", format!("{} is not a section", request.section)))?;
         let answer = blocking(move || {
@@ -109,6 +110,7 @@ impl Service for Machines {
         request: Request<v1::CheckMachineRequest>,
     ) -> Result<Response<v1::CheckMachineResponse>, Status> {
         let (core, (caller, request)) = (self.0.clone(), enter(request)?);
+        caller.about(&request.name);
         let checked = blocking(move || {
             let definition = if request.files.is_empty() {
                 submit::machine(&core, caller.tenant(), &request.name)?

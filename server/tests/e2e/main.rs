@@ -11,6 +11,7 @@
 )]
 
 mod admin;
+mod audited;
 mod backup;
 #[cfg(target_os = "linux")]
 mod bad_disk;
