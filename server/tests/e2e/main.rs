@@ -18,6 +18,8 @@ mod bad_disk;
 #[cfg(target_os = "linux")]
 mod cache;
 mod collect;
+#[cfg(unix)]
+mod commands;
 #[cfg(target_os = "linux")]
 mod compact;
 mod connections;
