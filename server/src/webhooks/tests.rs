@@ -6,6 +6,8 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
+use rustls::pki_types::PrivateKeyDer;
+use rustls::{ServerConfig, ServerConnection};
 use tempfile::TempDir;
 
 use super::Webhooks;
@@ -98,11 +100,16 @@ impl Table {
     }
 
     fn start(&self, metrics: &Arc<Metrics>) -> Webhooks {
+        self.start_for(metrics, PATIENCE)
+    }
+
+    /// Messages of this age are given up.
+    fn start_for(&self, metrics: &Arc<Metrics>, age: Duration) -> Webhooks {
         let retries = Retries {
             attempt: PATIENCE,
             pause: Duration::from_millis(1),
             longest_pause: Duration::from_millis(4),
-            age: PATIENCE,
+            age,
         };
         Webhooks::start_with(&self.targets, false, metrics, retries).unwrap()
     }
@@ -206,6 +213,40 @@ fn a_target_hears_of_its_tenants_and_states_only_and_none_delays_another() {
     assert_eq!([ids(), ids()], ["job_2", "job_4"]);
     webhooks.close();
     assert_eq!((count(&metrics, "cell", "delivered"), count(&metrics, "down", "given_up")), (2, 4));
+}
+
+/// Nothing is sent to a target whose certificate no known authority has signed; the end of the attempts is counted.
+#[test]
+fn a_message_to_a_target_of_an_unknown_authority_is_given_up() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    let certify = || rcgen::generate_simple_self_signed(vec!["localhost".to_owned()]).unwrap();
+    let (shown, known) = (certify(), certify());
+    let key = PrivateKeyDer::try_from(shown.signing_key.serialize_der()).unwrap();
+    let builder = ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()));
+    let builder = builder.with_safe_default_protocol_versions().unwrap().with_no_client_auth();
+    let config = Arc::new(builder.with_single_cert(vec![shown.cert.der().clone()], key).unwrap());
+    let (send, outcomes) = channel();
+    std::thread::spawn(move || {
+        loop {
+            let (mut stream, _) = listener.accept().unwrap();
+            let mut connection = ServerConnection::new(config.clone()).unwrap();
+            let heard = rustls::Stream::new(&mut connection, &mut stream).read(&mut [0]);
+            if send.send(heard.unwrap_or(0)).is_err() {
+                return;
+            }
+        }
+    });
+    let mut table = Table::new().with("mes", &format!("https://localhost:{}/", address.port()), &["*"], &[]);
+    let ca_file = table.folder.path().join("ca.pem");
+    std::fs::write(&ca_file, known.cert.pem()).unwrap();
+    table.targets.values_mut().for_each(|webhook| webhook.ca_file = Some(ca_file.clone()));
+    let metrics = Arc::new(Metrics::new());
+    let webhooks = table.start_for(&metrics, Duration::from_millis(2));
+    webhooks.ended(&ended("1", "default", State::Succeeded));
+    assert_eq!(outcomes.recv_timeout(PATIENCE), Ok(0), "the handshake fails");
+    webhooks.close();
+    assert_eq!((count(&metrics, "mes", "given_up"), count(&metrics, "mes", "delivered")), (1, 0));
 }
 
 #[test]
