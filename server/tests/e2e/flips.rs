@@ -199,6 +199,63 @@ async fn a_changed_bit_in_a_file_is_reported_or_harmless() {
     server.stop().await;
 }
 
+/// A result of a job, by the name of the file in which it is stored.
+async fn stored(server: &Server, job: &str, name: &str) -> Result<Vec<u8>, Code> {
+    let (mut results, job_id) = (server.results(), job.to_owned());
+    let format = match name.rsplit('.').next() {
+        Some("json") => v1::DrawingFormat::Json.into(),
+        _ => v1::DrawingFormat::Svg.into(),
+    };
+    match name.split('.').next().unwrap() {
+        "summary" => {
+            let answer = results.get_summary(v1::GetSummaryRequest { job_id }).await;
+            whole(answer, |message| message.data.to_vec()).await
+        }
+        "timeline" => {
+            let answer = results.get_timeline(v1::GetTimelineRequest { job_id, format }).await;
+            whole(answer, |message| message.data.to_vec()).await
+        }
+        _ => {
+            let answer = results.get_toolpath(v1::GetToolpathRequest { job_id, format }).await;
+            whole(answer, |message| message.data.to_vec()).await
+        }
+    }
+}
+
+/// A result that is stored in a file is made again from the log after any damage; without the log the damage is
+/// reported.
+#[tokio::test]
+async fn a_changed_bit_in_a_stored_result_is_never_served() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("large", "EVENTS 30000").await;
+    server.wait(&job).await;
+    server.stop().await;
+    // A server that has just started makes no result from memory.
+    let server = Server::start(options(folder.path())).await;
+    let of_job = folder.path().join("jobs").join(&job);
+    let mut random = Random(13);
+    for name in ["summary.json", "timeline.json", "timeline.svg", "toolpath.json", "toolpath.svg"] {
+        let path = of_job.join(name);
+        let truth = stored(&server, &job, name).await.unwrap();
+        assert!(std::fs::read(&path).unwrap().ends_with(&truth) && !truth.is_empty(), "{name} is stored");
+        for _ in 0..flips() / 25 {
+            let (flip, place) = Flip::make(&path, &mut random);
+            assert!(stored(&server, &job, name).await.as_ref() == Ok(&truth), "{place}: not the original");
+            drop(flip);
+        }
+        let (of_result, place) = Flip::make(&path, &mut random);
+        let log = log_file(folder.path(), &job);
+        let (whole_log, half) = (std::fs::read(&log).unwrap(), std::fs::metadata(&log).unwrap().len() / 2);
+        std::fs::OpenOptions::new().write(true).open(&log).unwrap().set_len(half).unwrap();
+        assert_eq!(stored(&server, &job, name).await, Err(Code::DataLoss), "{place}, and the log is damaged");
+        drop(of_result);
+        assert!(stored(&server, &job, name).await.as_ref() == Ok(&truth), "{name} needs no log");
+        std::fs::write(&log, whole_log).unwrap();
+    }
+    server.stop().await;
+}
+
 #[tokio::test]
 async fn a_changed_bit_in_the_ledger_is_reported_by_doctor_and_start_and_what_is_whole_is_saved() {
     let folder = tempfile::tempdir().unwrap();
