@@ -264,7 +264,7 @@ impl Service {
         let asked = stop.clone();
         let admin = rpc::Admin { core: core.clone(), stop: Box::new(move || begin(&asked)) };
         routes
-            .add_service(health_service)
+            .add_service(health_service.max_decoding_message_size(net::MAX_OF_HEALTH))
             .add_service(served!(JobsServer::new(rpc::Jobs(core.clone()))))
             .add_service(served!(BlobsServer::new(rpc::Blobs(core.clone()))))
             .add_service(served!(MachinesServer::new(rpc::Machines(core.clone()))))

@@ -73,7 +73,12 @@ const SENDING: &[&str] = &["Upload", "Attend", "Debug", "other"];
 
 /// Whether a client of the call of a path may send any number of messages.
 pub(crate) fn sends_many(path: &str) -> bool {
-    SENDING.contains(&name(path)) && !path.starts_with("/grpc.health.v1.")
+    SENDING.contains(&name(path)) && !is_of_health(path)
+}
+
+/// Whether the call of a path is one of the health service, which strangers may make.
+pub(crate) fn is_of_health(path: &str) -> bool {
+    path.starts_with("/grpc.health.v1.Health/")
 }
 
 /// Whether the call of a path ends with the rights of its caller: it may last for hours.

@@ -54,6 +54,8 @@ use unanswered::Unanswered;
 
 /// Largest message in either direction, bytes; for a compressed message, its size without compression.
 pub(crate) const MAX_MESSAGE: usize = 4 << 20;
+/// Largest message to the health service, bytes. It needs no identity, so it must not take memory from other calls.
+pub(crate) const MAX_OF_HEALTH: usize = 4 << 10;
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
 const FRAME: u32 = 128 * 1024;
 /// Bytes that a stream may hold for a client that does not read.
@@ -318,9 +320,10 @@ async fn answer(
     let mut stay = None;
     let answered = async {
         let (parts, body) = request.map(Body::new).into_parts();
+        let (most, memory) = room(&path, &peer.memory);
         let arrived = match calls::sends_many(&path) {
             true => Arrived::open(body),
-            false => match first_message(body, MAX_MESSAGE, stall, &peer.memory).await {
+            false => match first_message(body, most, stall, &memory).await {
                 Ok(arrived) => arrived,
                 Err(refusal) => return Ok(Status::from(refusal).into_http()),
             },
@@ -355,6 +358,14 @@ async fn answer(
     }
     let taken = response.extensions_mut().remove();
     Ok(response.map(|body| Held::new(body, call, stay, taken).until(rights)))
+}
+
+/// Largest message of the call of a path, bytes, and the budget in which it counts: none for health checks.
+fn room(path: &str, memory: &Arc<Memory>) -> (usize, Arc<Memory>) {
+    match calls::is_of_health(path) {
+        true => (MAX_OF_HEALTH, Memory::new(0)),
+        false => (MAX_MESSAGE, memory.clone()),
+    }
 }
 
 /// Gives the status of a call that the transport has refused the details that all refusals have.

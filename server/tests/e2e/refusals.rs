@@ -1,11 +1,13 @@
 //! Refusals of the transport: they carry the details that all refusals have.
 
 use counterpoint_proto::v1;
+use counterpoint_server::options::{Maxima, Options};
 use tonic::codegen::http::uri::PathAndQuery;
 use tonic::{Code, Request};
 use tonic_health::pb::HealthCheckRequest;
 use tonic_health::pb::health_client::HealthClient;
 
+use crate::guarded::*;
 use crate::support::*;
 
 #[tokio::test]
@@ -56,6 +58,23 @@ async fn every_status_says_its_reason_also_those_of_the_transport() {
     let check = HealthCheckRequest { service: "no.such.Service".into() };
     let refused = HealthClient::new(server.connection.clone()).check(check).await.unwrap_err();
     assert_eq!((refused.code(), reason(&refused).as_str()), (Code::NotFound, "UNKNOWN_SERVICE"));
+    server.stop().await;
+}
+
+/// Strangers may ask for the health of the server, so no such message counts in the memory budget.
+#[tokio::test]
+async fn a_health_check_is_small_and_takes_nothing_of_the_memory_budget() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { maxima: Maxima { memory_bytes: 100_000, ..Maxima::default() }, ..guarded(folder.path()) };
+    let server = Server::start(options).await;
+    let check = async |length: usize| {
+        let check = HealthCheckRequest { service: "x".repeat(length) };
+        reason(&HealthClient::new(server.connection.clone()).check(check).await.unwrap_err())
+    };
+    assert_eq!(check(4000).await, "UNKNOWN_SERVICE");
+    for length in [5000, 1 << 20, 5 << 20] {
+        assert_eq!(check(length).await, "MESSAGE_TOO_LARGE", "{length}");
+    }
     server.stop().await;
 }
 
