@@ -57,7 +57,15 @@ async fn check(machine: &str, json: bool, server: Option<&str>) -> Result<u8, Er
 
 async fn list(json: bool, server: Option<&str>) -> Result<u8, Error> {
     let client = Client::at(server).await?;
-    let machines = client.machines().list_machines(v1::ListMachinesRequest::default()).await?.into_inner().machines;
+    let (mut request, mut machines) = (v1::ListMachinesRequest::default(), Vec::new());
+    loop {
+        let page = client.machines().list_machines(request.clone()).await?.into_inner();
+        machines.extend(page.machines);
+        if page.next_page_token.is_empty() {
+            break;
+        }
+        request.page_token = page.next_page_token;
+    }
     if json {
         let line = |m: &v1::MachineSummary| {
             let row = serde_json::json!({

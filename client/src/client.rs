@@ -164,8 +164,16 @@ impl Client {
     /// # Errors
     /// As [`Client::submit`].
     pub async fn files(&self, job: &str) -> Result<Vec<v1::WrittenFile>, Error> {
-        let request = v1::ListFilesRequest { job_id: job.to_owned(), ..Default::default() };
-        self.again(async || Ok(self.results().list_files(request.clone()).await?.into_inner().files)).await
+        let mut request = v1::ListFilesRequest { job_id: job.to_owned(), ..Default::default() };
+        let mut files = Vec::new();
+        loop {
+            let page = self.again(async || Ok(self.results().list_files(request.clone()).await?.into_inner())).await?;
+            files.extend(page.files);
+            if page.next_page_token.is_empty() {
+                return Ok(files);
+            }
+            request.page_token = page.next_page_token;
+        }
     }
 
     /// Repeats a call that may be repeated until it succeeds or is refused.

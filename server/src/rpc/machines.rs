@@ -78,9 +78,9 @@ impl Service for Machines {
             let shipped: Vec<_> = shipped().iter().filter(|name| !shadowed(name)).collect();
             all.extend(shipped.iter().map(|name| Definition::shipped(name)));
             all.sort_by(|a, b| a.name.cmp(&b.name));
-            let (page, next_page_token) = page(all, request.page_size, 500, &request.page_token, |d| d.name.as_str());
             let summary = |definition: &Definition| Ok(summary(definition, &core.machines.load(definition)?));
-            let machines = page.iter().map(summary).collect::<Result<_, Refusal>>()?;
+            let size = (request.page_size, 500);
+            let (machines, next_page_token) = page(&all, size, &request.page_token, |d| d.name.as_str(), summary)?;
             Ok(v1::ListMachinesResponse { machines, next_page_token })
         });
         Ok(Response::new(answer.await?))

@@ -20,6 +20,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bytes::{Bytes, BytesMut};
+use prost::Message;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Response, Status, Streaming};
@@ -55,6 +56,11 @@ pub(crate) struct Admin {
 /// Bytes of a chunk in streams of the server.
 const CHUNK: usize = 64 * 1024;
 
+/// Most bytes of the entries of a page, which is a single message.
+const PAGE: usize = 3 << 20;
+/// Most bytes before an entry of a page: its field and its length.
+const HEAD: usize = 6;
+
 /// A response that is one chunk of a content.
 trait Chunk: Send + 'static {
     fn chunk(data: Bytes) -> Self;
@@ -73,16 +79,31 @@ async fn first<T>(core: &Core, messages: &mut Streaming<T>) -> Result<Option<T>,
     first.map_err(|_| Refusal::CallStalled(seconds))?
 }
 
-/// The part of a sorted list after the entry that `token` names, and the token of the next part. A `size` of 0 is the
-/// whole rest.
-fn page<T>(mut all: Vec<T>, size: u32, most: usize, token: &str, name: impl Fn(&T) -> &str) -> (Vec<T>, String) {
+/// The messages of a sorted list after the entry that `token` names, and the token of the next page. A page ends after
+/// `size` messages (0 = any number, otherwise at most `most`), or when its message would be too large.
+fn page<T, M: Message>(
+    all: &[T],
+    (size, most): (u32, usize),
+    token: &str,
+    name: impl Fn(&T) -> &str,
+    mut message: impl FnMut(&T) -> Result<M, Refusal>,
+) -> Result<(Vec<M>, String), Refusal> {
     let begin = all.partition_point(|entry| !token.is_empty() && name(entry) <= token);
-    all.drain(..begin);
     let size = if size == 0 { usize::MAX } else { (size as usize).min(most) };
-    let more = all.len() > size;
-    all.truncate(size);
-    let next = all.last().filter(|_| more).map(|last| name(last).to_owned());
-    (all, next.unwrap_or_default())
+    let (mut page, mut bytes, mut last) = (Vec::new(), 0, "");
+    for entry in all.iter().skip(begin) {
+        if page.len() == size {
+            return Ok((page, last.to_owned()));
+        }
+        let made = message(entry)?;
+        bytes += made.encoded_len() + HEAD;
+        if bytes > PAGE && !page.is_empty() {
+            return Ok((page, last.to_owned()));
+        }
+        page.push(made);
+        last = name(entry);
+    }
+    Ok((page, String::new()))
 }
 
 /// Does work that may block.

@@ -127,9 +127,11 @@ impl Service for Results {
         if !request.page_token.is_empty() && !files.iter().any(known) {
             return Err(Refusal::field("page_token", "is not a next_page_token of this call").into());
         }
-        let (files, next_page_token) = page(files, request.page_size, 10_000, &request.page_token, |file| &file.0);
-        let file = |(path, text): (String, String)| v1::WrittenFile { path, size: text.len() as u64 };
-        Ok(Response::new(v1::ListFilesResponse { files: files.into_iter().map(file).collect(), next_page_token }))
+        let file =
+            |(path, text): &(String, String)| Ok(v1::WrittenFile { path: path.clone(), size: text.len() as u64 });
+        let size = (request.page_size, 10_000);
+        let (files, next_page_token) = page(&files, size, &request.page_token, |file| &file.0, file)?;
+        Ok(Response::new(v1::ListFilesResponse { files, next_page_token }))
     }
 
     type GetFileStream = ReceiverStream<Result<v1::GetFileResponse, Status>>;

@@ -153,6 +153,47 @@ async fn a_failed_job_says_whether_program_machine_limit_or_host_made_it_fail() 
     server.stop().await;
 }
 
+/// Lists that are larger than the largest message come in pages, also for a client that asks for all.
+#[tokio::test]
+async fn lists_of_files_and_machines_fit_into_messages() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let paths: Vec<String> = (1000..6000).map(|number| format!("{number}{}", "x".repeat(1000))).collect();
+    let job = server.submit("files", &paths.iter().map(|path| format!("WRITE {path}\n")).collect::<String>()).await;
+    assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);
+    let (mut listed, mut pages) = (Vec::new(), 0);
+    let mut request = v1::ListFilesRequest { job_id: job, ..Default::default() };
+    loop {
+        let page = server.results().list_files(request.clone()).await.unwrap().into_inner();
+        listed.extend(page.files.into_iter().map(|file| file.path));
+        pages += 1;
+        if page.next_page_token.is_empty() {
+            break;
+        }
+        request.page_token = page.next_page_token;
+    }
+    assert!(listed == paths && pages == 2, "{} files on {pages} pages", listed.len());
+
+    let anybody = As::nobody(&server);
+    let names: Vec<String> = (1..6).map(|number| format!("own-{number}")).collect();
+    for name in &names {
+        anybody.put_machine(name, &"long ".repeat(180_000)).await.unwrap();
+    }
+    let (mut listed, mut pages) = (Vec::new(), 0);
+    let mut request = v1::ListMachinesRequest::default();
+    loop {
+        let page = server.machines().list_machines(request.clone()).await.unwrap().into_inner();
+        listed.extend(page.machines.into_iter().filter(|machine| !machine.shipped).map(|machine| machine.name));
+        pages += 1;
+        if page.next_page_token.is_empty() {
+            break;
+        }
+        request.page_token = page.next_page_token;
+    }
+    assert!(listed == names && pages == 2, "{listed:?} on {pages} pages");
+    server.stop().await;
+}
+
 #[tokio::test]
 async fn machines_and_files_come_page_by_page_and_a_machine_can_be_deleted() {
     let folder = tempfile::tempdir().unwrap();
