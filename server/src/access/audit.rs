@@ -15,7 +15,7 @@ use serde::Serialize;
 use tonic::Code;
 
 use super::strangers::{LeftOut, Strangers};
-use super::{Caller, Role, calls};
+use super::{Caller, Identity, Role, calls};
 use crate::clock::now_ms;
 
 /// Most bytes of the path of a call.
@@ -83,19 +83,30 @@ impl Audit {
     }
 
     /// Notes a call that has ended without an answer, if it changes something.
-    pub(crate) fn note_unanswered(&self, peer: SocketAddr, caller: Option<&Caller>, call: &str) {
+    pub(crate) fn note_unanswered(
+        &self,
+        peer: SocketAddr,
+        identity: Option<&Identity>,
+        call: &str,
+        targets: &[String],
+    ) {
         if changes(call) {
-            self.note(peer, caller, call, Code::Cancelled);
+            self.note_of(peer, identity, call, targets, Code::Cancelled);
         }
     }
 
     /// Notes a call.
     pub(crate) fn note(&self, peer: SocketAddr, caller: Option<&Caller>, call: &str, code: Code) {
+        let targets = caller.map(Caller::targets).unwrap_or_default();
+        self.note_of(peer, caller.map(|caller| &*caller.identity), call, &targets, code);
+    }
+
+    fn note_of(&self, peer: SocketAddr, identity: Option<&Identity>, call: &str, targets: &[String], code: Code) {
         if code == Code::Ok && !changes(call) {
             return;
         }
         let mut left_out = 0;
-        if caller.is_none() && code != Code::Ok {
+        if identity.is_none() && code != Code::Ok {
             let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
             match strangers.refused(peer.ip(), Instant::now()) {
                 None => return,
@@ -108,9 +119,8 @@ impl Audit {
             }
         }
         let (peer, call) = (&*peer.to_string(), call.get(..call.floor_char_boundary(CALL)).unwrap_or_default());
-        let identity = caller.map(|caller| &*caller.identity);
-        let targets = caller.map(Caller::targets).filter(|targets| !targets.is_empty());
-        for target in &targets.unwrap_or_else(|| vec![String::new()]) {
+        let none = [String::new()];
+        for target in if targets.is_empty() { &none[..] } else { targets } {
             self.write(&Line {
                 time_ms: now_ms(),
                 peer,
@@ -149,7 +159,11 @@ impl Audit {
     }
 
     fn write(&self, line: &Line<'_>) {
-        let Ok(mut text) = serde_json::to_vec(line) else { return };
+        // A write that failed may have left a part of its line.
+        let mut text = if self.failed.load(Ordering::Relaxed) { vec![b'\n'] } else { Vec::new() };
+        if serde_json::to_writer(&mut text, line).is_err() {
+            return;
+        }
         text.push(b'\n');
         let written = self.file.lock().unwrap_or_else(PoisonError::into_inner).write_all(&text);
         match written {

@@ -78,7 +78,32 @@ const TARGET: usize = 128;
 #[derive(Debug, Clone)]
 pub(crate) struct Caller {
     pub(crate) identity: Arc<Identity>,
-    targets: Arc<Mutex<Vec<String>>>,
+    targets: Arc<Targets>,
+}
+
+/// Notes the end of a call with its targets.
+type Note = Box<dyn FnOnce(Vec<String>) + Send>;
+
+/// The subjects of a call, and the note of a call that has ended without an answer: made when its work is over.
+#[derive(Default)]
+struct Targets {
+    ids: Mutex<Vec<String>>,
+    note: Mutex<Option<Note>>,
+}
+
+impl std::fmt::Debug for Targets {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.ids.fmt(f)
+    }
+}
+
+impl Drop for Targets {
+    fn drop(&mut self) {
+        let ids = std::mem::take(self.ids.get_mut().unwrap_or_else(PoisonError::into_inner));
+        if let Some(note) = self.note.get_mut().unwrap_or_else(PoisonError::into_inner).take() {
+            note(ids);
+        }
+    }
 }
 
 impl Caller {
@@ -111,8 +136,13 @@ impl Caller {
         self.lock().clone()
     }
 
+    /// Makes a note with the targets when all work of the call is over.
+    pub(crate) fn note_at_the_end(&self, note: impl FnOnce(Vec<String>) + Send + 'static) {
+        *self.targets.note.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(note));
+    }
+
     fn lock(&self) -> MutexGuard<'_, Vec<String>> {
-        self.targets.lock().unwrap_or_else(PoisonError::into_inner)
+        self.targets.ids.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

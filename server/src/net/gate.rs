@@ -19,7 +19,7 @@ use crate::access::audit::Audit;
 use crate::access::calls::Needs;
 use crate::access::fair::{Stay, Turn};
 use crate::access::strangers::SPAN;
-use crate::access::{Access, Admitted, Caller, CertificateNames, calls};
+use crate::access::{Access, Admitted, Caller, CertificateNames, Identity, calls};
 use crate::jobs::Core;
 use crate::metrics::{Metrics, Rates};
 use crate::options::Options;
@@ -184,9 +184,9 @@ impl Gate {
     }
 
     /// Notes a call that its client has ended before its answer.
-    pub(super) fn unanswered(&self, peer: SocketAddr, caller: Option<&Caller>, path: &str) {
+    pub(super) fn unanswered(&self, peer: SocketAddr, identity: Option<&Identity>, path: &str, targets: &[String]) {
         if let Some(audit) = &self.audit {
-            audit.note_unanswered(peer, caller, path);
+            audit.note_unanswered(peer, identity, path, targets);
         }
     }
 

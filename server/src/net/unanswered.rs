@@ -1,6 +1,7 @@
 //! Calls that end without an answer.
 //!
-//! *Invariant:* a call that may have changed something has a line in the audit log, also if its client has ended it.
+//! *Invariant:* a call that may have changed something has a line in the audit log, also if its client has ended it: when
+//! the work that the call has begun is over.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -33,8 +34,18 @@ impl Unanswered {
 
 impl Drop for Unanswered {
     fn drop(&mut self) {
-        if !self.path.is_empty() {
-            self.peer.gate.unanswered(self.peer.address, self.caller.as_ref(), &self.path);
+        if self.path.is_empty() {
+            return;
+        }
+        let (peer, path) = (self.peer.clone(), std::mem::take(&mut self.path));
+        match &self.caller {
+            None => peer.gate.unanswered(peer.address, None, &path, &[]),
+            Some(caller) => {
+                let identity = caller.identity.clone();
+                caller.note_at_the_end(move |targets| {
+                    peer.gate.unanswered(peer.address, Some(&identity), &path, &targets);
+                });
+            }
         }
     }
 }

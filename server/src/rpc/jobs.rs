@@ -14,9 +14,12 @@ use tracing::Instrument as _;
 
 use super::door::enter;
 use super::many::{self, Act, Choice};
-use super::{Jobs, blocking, job, submit, watch, watch_jobs};
+use super::{Jobs, blocking, job, submit, to_the_end, watch, watch_jobs};
+use crate::access::Caller;
+use crate::jobs::Core;
 use crate::jobs::describe::{description, options, status};
 use crate::jobs::filter::{Filter, States};
+use crate::ledger::record::{Record, Work};
 use crate::ledger::{PAGE_BYTES, Query};
 use crate::log::reader::Reader;
 use crate::memory::Taken;
@@ -33,6 +36,23 @@ fn counted<T>(answer: T, taken: Taken) -> Response<T> {
     let mut response = Response::new(answer);
     response.extensions_mut().insert(Arc::new(taken));
     response
+}
+
+/// Hands a job over; the audit log gets its id. Its memory is taken until then.
+async fn submitted(
+    core: &Arc<Core>,
+    caller: &Caller,
+    (record, work): (Record, Work),
+    taken: Taken,
+) -> Result<(Record, bool), Refusal> {
+    let (core, noted) = (core.clone(), caller.clone());
+    let submit = async move {
+        let _taken = taken;
+        let (record, duplicate) = core.submit(record, work).await?;
+        noted.about(&record.id);
+        Ok((record, duplicate))
+    };
+    to_the_end(caller, submit).await
 }
 
 /// Refuses a text that is not the token of a page of jobs.
@@ -65,11 +85,10 @@ impl Service for Jobs {
         let (core, (caller, request)) = (self.0.clone(), enter(request)?);
         let tenant = caller.tenant().to_owned();
         let bytes = SUBMIT_COPIES * request.encoded_len() as u64;
-        let _taken = submit::memory(&core, &tenant, &request.request_id, bytes).await?;
+        let taken = submit::memory(&core, &tenant, &request.request_id, bytes).await?;
         let (mut record, work) = blocking(move || submit::record(&core, &tenant, request)).await?;
         record.runs.traceparent = traceparent;
-        let (record, duplicate) = self.0.submit(record, work).await?;
-        caller.about(&record.id);
+        let (record, duplicate) = submitted(&self.0, &caller, (record, work), taken).await?;
         Ok(Response::new(v1::SubmitJobResponse { status: Some(status(record)), duplicate }))
     }
 
@@ -167,14 +186,16 @@ impl Service for Jobs {
     ) -> Result<Response<v1::CancelJobResponse>, Status> {
         let (caller, v1::CancelJobRequest { job_id: id }) = enter(request)?;
         job(&self.0, &caller, &id)?;
-        let record = self.0.cancel(&id).await?;
+        let core = self.0.clone();
+        let record = to_the_end(&caller, async move { core.cancel(&id).await }).await?;
         Ok(Response::new(v1::CancelJobResponse { status: Some(status(record)) }))
     }
 
     async fn pause_job(&self, request: Request<v1::PauseJobRequest>) -> Result<Response<v1::PauseJobResponse>, Status> {
         let (caller, v1::PauseJobRequest { job_id: id }) = enter(request)?;
         job(&self.0, &caller, &id)?;
-        let record = self.0.pause(&id).await?;
+        let core = self.0.clone();
+        let record = to_the_end(&caller, async move { core.pause(&id).await }).await?;
         Ok(Response::new(v1::PauseJobResponse { status: Some(status(record)) }))
     }
 
@@ -184,7 +205,8 @@ impl Service for Jobs {
     ) -> Result<Response<v1::ResumeJobResponse>, Status> {
         let (caller, v1::ResumeJobRequest { job_id: id }) = enter(request)?;
         job(&self.0, &caller, &id)?;
-        let record = self.0.resume(&id).await?;
+        let core = self.0.clone();
+        let record = to_the_end(&caller, async move { core.resume(&id).await }).await?;
         Ok(Response::new(v1::ResumeJobResponse { status: Some(status(record)) }))
     }
 
@@ -194,7 +216,8 @@ impl Service for Jobs {
     ) -> Result<Response<v1::DeleteJobResponse>, Status> {
         let (caller, v1::DeleteJobRequest { job_id: id }) = enter(request)?;
         job(&self.0, &caller, &id)?;
-        self.0.delete(&id).await?;
+        let core = self.0.clone();
+        to_the_end(&caller, async move { core.delete(&id).await }).await?;
         Ok(Response::new(v1::DeleteJobResponse {}))
     }
 
@@ -227,10 +250,9 @@ impl Service for Jobs {
         let (core, (caller, request)) = (self.0.clone(), enter(request)?);
         let earlier = job(&core, &caller, &request.job_id)?;
         let bytes = SUBMIT_COPIES * earlier.bytes();
-        let _taken = submit::memory(&core, caller.tenant(), &request.request_id, bytes).await?;
-        let (record, work) = blocking(move || submit::rerun(&core, earlier, request)).await?;
-        let (record, duplicate) = self.0.submit(record, work).await?;
-        caller.about(&record.id);
+        let taken = submit::memory(&core, caller.tenant(), &request.request_id, bytes).await?;
+        let job = blocking(move || submit::rerun(&core, earlier, request)).await?;
+        let (record, duplicate) = submitted(&self.0, &caller, job, taken).await?;
         Ok(Response::new(v1::RerunJobResponse { status: Some(status(record)), duplicate }))
     }
 

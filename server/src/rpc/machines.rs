@@ -8,7 +8,7 @@ use counterpoint_proto::v1::machines_server::Machines as Service;
 use tonic::{Request, Response, Status};
 
 use super::door::enter;
-use super::{Machines, blocking, page, submit};
+use super::{Machines, blocking, page, submit, to_the_end};
 use crate::access::Role;
 use crate::jobs::Core;
 use crate::jobs::describe::finding;
@@ -40,7 +40,8 @@ impl Service for Machines {
         let machine = Some(summary(&definition, &checked));
         let blobs = self.0.blobs.of(caller.tenant());
         let check = Box::new(move |definition: &Definition| blobs.require(&mut definition.files.values()));
-        self.0.ledger.put_machine(definition, check).await?;
+        let core = self.0.clone();
+        to_the_end(&caller, async move { core.ledger.put_machine(definition, check).await }).await?;
         Ok(Response::new(v1::PutMachineResponse { machine, findings: findings(checked.findings) }))
     }
 
@@ -99,7 +100,8 @@ impl Service for Machines {
             return Err(Refusal::field("name", "must be the name of a machine, without a revision").into());
         }
         let (tenant, trusted) = (caller.tenant().to_owned(), caller.identity.role >= Role::Admin);
-        match self.0.ledger.remove_machine(tenant, name.clone(), trusted).await? {
+        let (core, removed) = (self.0.clone(), name.clone());
+        match to_the_end(&caller, async move { core.ledger.remove_machine(tenant, removed, trusted).await }).await? {
             true => Ok(Response::new(v1::DeleteMachineResponse {})),
             false => Err(Refusal::UnknownMachine(name).into()),
         }

@@ -9,8 +9,8 @@ use counterpoint_proto::v1;
 use tokio::task::JoinSet;
 use tracing::Instrument as _;
 
-use super::blocking;
 use super::jobs::page_token;
+use super::{blocking, to_the_end};
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::filter::{ENDED, Filter, OPEN};
@@ -98,15 +98,16 @@ pub(super) async fn each(
         return Ok((ids, next));
     }
     let span = tracing::info_span!("many jobs", act = ?act);
-    // Ends with the last job of the page, even if the client has disconnected.
-    let all = tokio::spawn(async move { act_on(&core, ids, act).await }.instrument(span));
-    let (done, failed) = all.await.map_err(|error| Refusal::Storage(error.to_string()))?;
-    caller.about_jobs(&done);
-    failed.map_or(Ok((done, next)), Err)
+    let noted = caller.clone();
+    let all = async move {
+        let (done, failed) = act_on(&core, &noted, ids, act).await;
+        failed.map_or(Ok((done, next)), Err)
+    };
+    to_the_end(caller, all.instrument(span)).await
 }
 
-/// Acts on jobs; returns the changed ones, in their order, and the first failure.
-async fn act_on(core: &Arc<Core>, ids: Vec<String>, act: Act) -> (Vec<String>, Option<Refusal>) {
+/// Acts on jobs; returns the changed ones, in their order, and the first failure. The audit log gets the changed ones.
+async fn act_on(core: &Arc<Core>, caller: &Caller, ids: Vec<String>, act: Act) -> (Vec<String>, Option<Refusal>) {
     let (mut done, mut failed) = (Vec::new(), None);
     for group in ids.chunks(TOGETHER) {
         let mut tasks = JoinSet::new();
@@ -123,6 +124,7 @@ async fn act_on(core: &Arc<Core>, ids: Vec<String>, act: Act) -> (Vec<String>, O
                 Err(refusal) => failed = failed.or(Some(refusal)),
             }
         }
+        caller.about_jobs(&done);
         if failed.is_some() {
             break;
         }

@@ -24,6 +24,7 @@ use prost::Message;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Response, Status, Streaming};
+use tracing::Instrument as _;
 
 use crate::Record;
 use crate::access::Caller;
@@ -70,6 +71,21 @@ trait Chunk: Send + 'static {
 fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
     caller.about(id);
     core.job_of(caller.tenant(), id)
+}
+
+/// Does work that must not stop half way: it goes on to its end if the client ends the call, or at the deadline of the
+/// call. The line of the call in the audit log waits for that end.
+async fn to_the_end<T: Send + 'static>(
+    caller: &Caller,
+    work: impl Future<Output = Result<T, Refusal>> + Send + 'static,
+) -> Result<T, Refusal> {
+    let caller = caller.clone();
+    let work = async move {
+        let done = work.await;
+        drop(caller);
+        done
+    };
+    tokio::spawn(work.in_current_span()).await.map_err(|error| Refusal::Storage(error.to_string()))?
 }
 
 /// The first message of a client that sends many, unless it stalls.

@@ -16,7 +16,7 @@ use tokio_stream::{Stream, StreamExt as _};
 use tonic::{Request, Response, Status, Streaming};
 use tracing::Instrument as _;
 
-use super::{Operator, door, first, job, submit};
+use super::{Operator, door, first, job, submit, to_the_end};
 use crate::Record;
 use crate::access::Caller;
 use crate::jobs::Core;
@@ -65,7 +65,11 @@ impl Service for Operator {
         attended(&self.0, &caller, &job_id)?;
         let accepted = match self.0.live(&job_id) {
             None => false,
-            Some(live) => settle(&self.0, &live, question_id, answer.map(submit::answer)).await?,
+            Some(live) => {
+                let core = self.0.clone();
+                let settle = async move { settle(&core, &live, question_id, answer.map(submit::answer)).await };
+                to_the_end(&caller, settle).await?
+            }
         };
         Ok(Response::new(v1::AnswerQuestionResponse { accepted }))
     }

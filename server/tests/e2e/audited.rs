@@ -15,7 +15,7 @@ use crate::support::*;
 const LATHE: &str = "fanuc-2path-lathe";
 
 /// Options of a server with an audit log, and its file.
-fn audited(folder: &Path) -> (Options, PathBuf) {
+pub fn audited(folder: &Path) -> (Options, PathBuf) {
     let mut options = guarded(folder);
     let audit = folder.join("audit.jsonl");
     options.guard.audit = audit.clone();
@@ -23,7 +23,7 @@ fn audited(folder: &Path) -> (Options, PathBuf) {
 }
 
 /// The lines of a log: identity, call, target and code.
-fn lines(audit: &Path) -> Vec<(String, String, String, String)> {
+pub fn lines(audit: &Path) -> Vec<(String, String, String, String)> {
     let text = std::fs::read_to_string(audit).unwrap();
     let of = |line: &Value, key: &str| line[key].as_str().unwrap_or_default().to_owned();
     let line = |line: &str| {

@@ -24,6 +24,7 @@ mod commands;
 mod compact;
 mod connections;
 mod contract;
+mod cut;
 mod damage;
 #[cfg(target_os = "linux")]
 mod descriptors;

@@ -44,7 +44,7 @@ use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
 pub(crate) use lost::{lost, lost_by, lost_for_good, not_lost};
-use rows::{get, next_job, parse, put, readable, take_out};
+use rows::{get, next_job, parse, put, readable, same, take_out};
 use tables::Tables;
 use writer::{Operation, Place, Shared};
 
@@ -487,15 +487,6 @@ impl Drop for LocalLedger {
     fn drop(&mut self) {
         self.close();
     }
-}
-
-/// The answer to a submit whose request id is known.
-fn same(tables: &Tables<'_>, known: Record, asked: &Record, asked_work: &Work) -> Result<Submitted, Refusal> {
-    let same = match known.asks_the_same(asked) {
-        Some(same) => same,
-        None => works::get(tables, &known.id)?.is_some_and(|work| known.asks_the_same_work(&work, asked, asked_work)),
-    };
-    if same { Ok(Submitted::Known(Box::new(known))) } else { Err(Refusal::RequestIdReused(asked.request_id.clone())) }
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@ use uuid::Uuid;
 
 use super::tables::Tables;
 use super::{JOB, Rows, blob_refs, equal, index, retention, seal, storage, usage, works};
-use crate::ledger::record::Record;
-use crate::ledger::time_of;
+use crate::ledger::record::{Record, Work};
+use crate::ledger::{Submitted, time_of};
 use crate::reason::Refusal;
 use crate::tenant;
 
@@ -88,6 +88,20 @@ pub(super) fn get(tables: &Tables<'_>, id: &str) -> Result<Option<Record>, Refus
     let table = tables.job()?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(JOB, id, row.value())).transpose()
+}
+
+/// The answer to a submit whose request id is known.
+pub(super) fn same(
+    tables: &Tables<'_>,
+    known: Record,
+    asked: &Record,
+    asked_work: &Work,
+) -> Result<Submitted, Refusal> {
+    let same = match known.asks_the_same(asked) {
+        Some(same) => same,
+        None => works::get(tables, &known.id)?.is_some_and(|work| known.asks_the_same_work(&work, asked, asked_work)),
+    };
+    if same { Ok(Submitted::Known(Box::new(known))) } else { Err(Refusal::RequestIdReused(asked.request_id.clone())) }
 }
 
 #[cfg(test)]

@@ -1,0 +1,166 @@
+//! Calls whose clients leave while the server makes their change durable: the change is made whole, and noted.
+
+use std::path::Path;
+use std::sync::{Arc, Condvar, Mutex};
+use std::time::Duration;
+
+use counterpoint_proto::v1;
+use counterpoint_server::access::Role;
+use counterpoint_server::local::disk::{Disk, Faults, Step};
+use counterpoint_server::options::Options;
+use tokio::sync::Notify;
+
+use crate::audited::{audited, lines};
+use crate::guarded::*;
+use crate::support::*;
+
+/// A disk that holds up every sync while it is closed.
+#[derive(Default)]
+struct Gate {
+    closed: Mutex<bool>,
+    opened: Condvar,
+    held: Notify,
+}
+
+impl Faults for Gate {
+    fn before(&self, step: Step, _path: &Path) -> std::io::Result<usize> {
+        let mut closed = self.closed.lock().unwrap();
+        while step == Step::Sync && *closed {
+            self.held.notify_one();
+            closed = self.opened.wait(closed).unwrap();
+        }
+        Ok(usize::MAX)
+    }
+}
+
+impl Gate {
+    fn set(&self, closed: bool) {
+        *self.closed.lock().unwrap() = closed;
+        self.opened.notify_all();
+    }
+}
+
+/// A server on such a disk, and a caller.
+struct Cut {
+    gate: Arc<Gate>,
+    server: Server,
+    caller: As,
+}
+
+impl Cut {
+    async fn start(options: Options, token: &str) -> Self {
+        let gate = Arc::new(Gate::default());
+        let server = Server::start_on(options, Disk::faulty(gate.clone())).await;
+        let caller = As::new(&server, token);
+        Self { gate, server, caller }
+    }
+
+    /// Makes a call and drops it while its change is on the way to the disk.
+    async fn call<T: Send + 'static>(&self, call: impl Future<Output = T> + Send + 'static) {
+        self.gate.set(true);
+        let call = tokio::spawn(call);
+        self.gate.held.notified().await;
+        call.abort();
+        assert!(call.await.is_err(), "the call has no answer yet");
+        // The server reads the end of the call before this one, which comes on the same connection.
+        self.caller.list().await;
+        self.gate.set(false);
+    }
+
+    async fn submit(&self, id: &str, script: &str, options: v1::JobOptions) -> String {
+        let submitted = self.caller.submit_with(id, "fanuc-2path-lathe", script, Some(options)).await;
+        submitted.unwrap().job_id
+    }
+
+    async fn status(&self, job: &str) -> v1::JobStatus {
+        let request = v1::GetJobRequest { job_id: job.into() };
+        self.caller.jobs().get_job(request).await.unwrap().into_inner().status.unwrap()
+    }
+
+    /// Waits for the state of a job.
+    async fn until(&self, job: &str, good: impl Fn(&v1::JobStatus) -> bool) {
+        for _ in 0..4000 {
+            if good(&self.status(job).await) {
+                return;
+            }
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        panic!("{:?}", self.status(job).await);
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_change_whose_client_leaves_is_made_whole_and_noted_with_its_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let (options, audit) = audited(folder.path());
+    let options = Options { workers: 1, ..options };
+    let token = grant(&options, "one", "one", Role::Operate);
+    let cut = Cut::start(options.clone(), &token).await;
+    let plain = v1::JobOptions::default;
+    let running = cut.submit("running", "EVENTS 9\nHANG", plain()).await;
+    cut.until(&running, |status| status.state() == v1::JobState::Running).await;
+    let waiting = cut.submit("waiting", "EVENTS 3", plain()).await;
+    let held = cut.submit("held", "EVENTS 4", plain()).await;
+    let mut expected = Vec::new();
+
+    let (mut jobs, job_id) = (cut.caller.jobs(), held.clone());
+    cut.call(async move { jobs.pause_job(v1::PauseJobRequest { job_id }).await }).await;
+    cut.until(&held, |status| status.paused).await;
+    expected.push(("Jobs/PauseJob", held.clone()));
+    let (mut jobs, job_id) = (cut.caller.jobs(), waiting.clone());
+    cut.call(async move { jobs.cancel_job(v1::CancelJobRequest { job_id }).await }).await;
+    assert_eq!(cut.caller.wait(&waiting).await.state(), v1::JobState::Cancelled);
+    expected.push(("Jobs/CancelJob", waiting.clone()));
+
+    let mut changes = cut.caller.jobs().watch_jobs(v1::WatchJobsRequest::default()).await.unwrap().into_inner();
+    let (mut jobs, job_id) = (cut.caller.jobs(), waiting.clone());
+    cut.call(async move { jobs.delete_job(v1::DeleteJobRequest { job_id }).await }).await;
+    let removed = async {
+        let gone = |change: &v1::JobChange| {
+            change.removed && change.status.as_ref().is_some_and(|status| status.job_id == waiting)
+        };
+        while !changes.message().await.unwrap().expect("more comes").changes.iter().any(gone) {}
+    };
+    tokio::time::timeout(Duration::from_secs(20), removed).await.expect("the watch hears of it");
+    expected.push(("Jobs/DeleteJob", waiting.clone()));
+
+    let (mut jobs, job_id) = (cut.caller.jobs(), running.clone());
+    cut.call(async move { jobs.cancel_job(v1::CancelJobRequest { job_id }).await }).await;
+    assert_eq!(cut.caller.wait(&running).await.state(), v1::JobState::Cancelled);
+    expected.push(("Jobs/CancelJob", running.clone()));
+    let (mut jobs, job_id) = (cut.caller.jobs(), held.clone());
+    cut.call(async move { jobs.resume_job(v1::ResumeJobRequest { job_id }).await }).await;
+    assert_eq!(cut.caller.wait(&held).await.state(), v1::JobState::Succeeded);
+    expected.push(("Jobs/ResumeJob", held.clone()));
+
+    let asking = cut.submit("asking", "ASK Clamp", v1::JobOptions { attended: true, ..plain() }).await;
+    let watch = v1::WatchQuestionsRequest { job_id: asking.clone() };
+    let mut questions = cut.caller.operator().watch_questions(watch).await.unwrap().into_inner();
+    assert!(questions.message().await.unwrap().is_some());
+    let (mut operator, job_id) = (cut.caller.operator(), asking.clone());
+    let answer = Some(v1::DialogAnswer { button: "OK".into(), ..Default::default() });
+    let answer = v1::AnswerQuestionRequest { job_id, question_id: 1, answer };
+    cut.call(async move { operator.answer_question(answer).await }).await;
+    assert_eq!(cut.caller.wait(&asking).await.state(), v1::JobState::Succeeded);
+    expected.push(("Operator/AnswerQuestion", asking.clone()));
+
+    let (mut jobs, job_id) = (cut.caller.jobs(), held.clone());
+    let rerun = v1::RerunJobRequest { job_id, request_id: "again".into(), ..Default::default() };
+    cut.call(async move { jobs.rerun_job(rerun).await }).await;
+    let all = v1::ListJobsRequest { newest_first: true, ..Default::default() };
+    let newest = async || cut.caller.jobs().list_jobs(all.clone()).await.unwrap().into_inner().jobs.remove(0);
+    while newest().await.rerun_of != held {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    expected.push(("Jobs/RerunJob", newest().await.job_id));
+    cut.server.stop().await;
+    let noted: Vec<_> = lines(&audit).into_iter().filter(|(.., code)| code == "Cancelled").collect();
+    let noted: Vec<_> = noted.iter().map(|(_, call, target, _)| (call.as_str(), target.clone())).collect();
+    assert_eq!(noted, expected);
+
+    // What memory said is what the ledger has.
+    let cut = Cut::start(options, &token).await;
+    assert!(!cut.status(&held).await.paused);
+    assert_eq!(cut.status(&running).await.state(), v1::JobState::Cancelled);
+    cut.server.stop().await;
+}
