@@ -1,12 +1,76 @@
-//! The Python package and its types against a server; skipped where Python has no grpcio.
+//! The Python package, its types and its example against servers; skipped where Python has no grpcio.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
 
+use counterpoint_server::access::{Role, token};
 use counterpoint_server::options::Options;
 use counterpoint_server::service;
+use rcgen::{BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair};
+
+/// Variables that would change the tests.
+const VARIABLES: [&str; 6] = [
+    "COUNTERPOINT_SERVER",
+    "COUNTERPOINT_TOKEN",
+    "COUNTERPOINT_CA",
+    "COUNTERPOINT_CLIENT_CERT",
+    "COUNTERPOINT_CLIENT_KEY",
+    "TRACEPARENT",
+];
+
+/// An interpreter with the packages that the client needs, and a copy of the client with its generated modules.
+struct Python {
+    interpreter: String,
+    /// The folder `clients/python`.
+    source: PathBuf,
+    /// The folder of the copy.
+    package: PathBuf,
+}
+
+impl Python {
+    /// None: the interpreter does not have the packages.
+    fn new(folder: &Path) -> Option<Self> {
+        let interpreter = std::env::var("COUNTERPOINT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+        let probe = Command::new(&interpreter).args(["-c", "import grpc, grpc_tools, mypy_protobuf"]).output();
+        if !probe.is_ok_and(|output| output.status.success()) {
+            eprintln!(
+                "skipped: {interpreter} has no grpcio, grpcio-tools and mypy-protobuf (COUNTERPOINT_PYTHON names another \
+                 interpreter)"
+            );
+            return None;
+        }
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../clients/python");
+        let package = folder.join("package");
+        copy(&source.join("counterpoint"), &package.join("counterpoint"));
+        let python = Self { interpreter, source, package };
+        let generated =
+            python.command().arg(python.source.join("generate.py")).arg("--out").arg(&python.package).output();
+        let generated = generated.unwrap();
+        assert!(generated.status.success(), "{}", text(&generated));
+        Some(python)
+    }
+
+    fn command(&self) -> Command {
+        let mut command = Command::new(&self.interpreter);
+        for name in VARIABLES {
+            command.env_remove(name);
+        }
+        command.env("PYTHONPATH", &self.package).env("PYTHONDONTWRITEBYTECODE", "1");
+        command
+    }
+
+    fn example(&self) -> Command {
+        let mut command = self.command();
+        command.arg(self.examples().join("python/submit_and_watch.py"));
+        command
+    }
+
+    fn examples(&self) -> PathBuf {
+        self.source.join("../../examples")
+    }
+}
 
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
@@ -17,63 +81,135 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
+fn text(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+/// Starts a server; returns its port.
+fn serve(runtime: &tokio::runtime::Runtime, data: &Path, options: Options) -> u16 {
+    let listen = "127.0.0.1:0".parse().unwrap();
+    let options = Options { listen, data: data.to_owned(), grace_s: 0, ..options };
+    let service = runtime.block_on(service::build(options)).unwrap();
+    let port = service.handle().address().port();
+    runtime.spawn(service.run(std::future::pending()));
+    port
+}
+
+/// Writes a new authority; returns its issuer.
+fn authority(file: &Path) -> Issuer<'static, KeyPair> {
+    let key = KeyPair::generate().unwrap();
+    let mut params = CertificateParams::new(vec![]).unwrap();
+    params.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
+    // OpenSSL takes a certificate whose subject has the name of its issuer for a self-signed one.
+    params.distinguished_name.push(DnType::CommonName, file.display().to_string());
+    std::fs::write(file, params.self_signed(&key).unwrap().pem()).unwrap();
+    Issuer::new(params, key)
+}
+
+/// Writes `NAME.pem` and `NAME.key`.
+fn certify(folder: &Path, name: &str, host: &str, issuer: &Issuer<'_, KeyPair>, usage: ExtendedKeyUsagePurpose) {
+    let key = KeyPair::generate().unwrap();
+    let mut params = CertificateParams::new(vec![host.to_owned()]).unwrap();
+    params.extended_key_usages = vec![usage];
+    std::fs::write(folder.join(name).with_extension("pem"), params.signed_by(&key, issuer).unwrap().pem()).unwrap();
+    std::fs::write(folder.join(name).with_extension("key"), key.serialize_pem()).unwrap();
+}
+
+/// Options of a server with TLS and identities and with one place in its queue. Writes the files of its clients.
+fn guarded(folder: &Path) -> Options {
+    let issuer = authority(&folder.join("ca.pem"));
+    authority(&folder.join("other.pem"));
+    certify(folder, "server", "localhost", &issuer, ExtendedKeyUsagePurpose::ServerAuth);
+    certify(folder, "client", "cell-3.example", &issuer, ExtendedKeyUsagePurpose::ClientAuth);
+    let (token, row) = token::create("ci", "milling", Role::Submit, None).unwrap();
+    std::fs::write(folder.join("token"), token).unwrap();
+    std::fs::write(folder.join("access.toml"), row).unwrap();
+    let mut options = Options { workers: 1, queue: 1, ..Options::default() };
+    options.guard.access = folder.join("access.toml");
+    options.guard.tls_cert = folder.join("server.pem");
+    options.guard.tls_key = folder.join("server.key");
+    options
+}
+
 #[test]
-fn the_python_package_submits_watches_and_draws() {
-    let python = std::env::var("COUNTERPOINT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let probe = Command::new(&python).args(["-c", "import grpc, grpc_tools, mypy_protobuf"]).output();
-    if !probe.is_ok_and(|output| output.status.success()) {
-        eprintln!(
-            "skipped: {python} has no grpcio, grpcio-tools and mypy-protobuf (COUNTERPOINT_PYTHON names another interpreter)"
-        );
-        return;
-    }
+fn the_python_package_does_as_it_is_documented() {
     let folder = tempfile::tempdir().unwrap();
-    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("../clients/python");
-    let out = folder.path().join("package");
-    copy(&package.join("counterpoint"), &out.join("counterpoint"));
-    let generated = Command::new(&python).arg(package.join("generate.py")).arg("--out").arg(&out).output().unwrap();
-    assert!(generated.status.success(), "{}", String::from_utf8_lossy(&generated.stderr));
-    for types in ["jobs_pb2.pyi", "jobs_pb2_grpc.pyi"] {
-        assert!(out.join("counterpoint/v1").join(types).is_file(), "messages and stubs have types");
-    }
-    if Command::new(&python).args(["-c", "import mypy"]).output().unwrap().status.success() {
-        let mut check = Command::new(&python);
-        check.args(["-m", "mypy", "--strict", "--cache-dir"]).arg(folder.path().join("mypy")).arg("counterpoint");
-        let output = check.current_dir(&out).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    let Some(python) = Python::new(folder.path()) else { return };
+    for types in ["v1/jobs_pb2.pyi", "v1/jobs_pb2_grpc.pyi", "refusal_pb2.pyi"] {
+        assert!(python.package.join("counterpoint").join(types).is_file(), "messages and stubs have types");
     }
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
-    let listen = "127.0.0.1:0".parse().unwrap();
-    let options = Options { listen, data: folder.path().join("data"), grace_s: 0, ..Options::default() };
-    let service = runtime.block_on(service::build(options)).unwrap();
-    let address = service.handle().address().to_string();
-    runtime.spawn(service.run(std::future::pending()));
-    let mut test = Command::new(&python);
-    test.arg(package.join("tests/test_client.py")).env("PYTHONPATH", &out).env("COUNTERPOINT_TEST_SERVER", &address);
-    let output = test.env("PYTHONDONTWRITEBYTECODE", "1").output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let options = guarded(folder.path());
+    let mut mutual = options.clone();
+    mutual.guard.tls_client_ca = folder.path().join("ca.pem");
+    let plain = serve(&runtime, &folder.path().join("plain"), Options::default());
+    let encrypted = serve(&runtime, &folder.path().join("encrypted"), options);
+    let mutual = serve(&runtime, &folder.path().join("mutual"), mutual);
+    let mut test = python.command();
+    test.args(["-m", "unittest", "discover", "-s"]).arg(python.source.join("tests"));
+    test.env("COUNTERPOINT_TEST_SERVER", format!("127.0.0.1:{plain}"));
+    test.env("COUNTERPOINT_TEST_TLS_SERVER", format!("localhost:{encrypted}"));
+    test.env("COUNTERPOINT_TEST_MUTUAL_SERVER", format!("localhost:{mutual}"));
+    let output = test.env("COUNTERPOINT_TEST_FOLDER", folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output));
+}
 
-    let examples = package.join("../../examples");
-    let drawing = folder.path().join("timeline.svg");
-    let mut example = Command::new(&python);
-    example.arg(examples.join("python/submit_and_watch.py")).args(["--server", &address]);
-    example.args(["--machine", "fanuc-2path-lathe", "--timeline"]).arg(&drawing);
-    example.args(["upper.nc", "lower.nc"].map(|name| examples.join("two-turret").join(name)));
-    let output = example.env("PYTHONPATH", &out).env("PYTHONDONTWRITEBYTECODE", "1").output().unwrap();
-    let printed = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{printed}{}", String::from_utf8_lossy(&output.stderr));
-    assert!(printed.contains("SUCCEEDED after"), "{printed}");
-    for (wrong, code, text) in [
-        (["--server", "127.0.0.1:1"], 3, "no server without TLS answers at 127.0.0.1:1"),
-        (["--machine", "fanuc-mil"], 2, "no machine 'fanuc-mil': the server has"),
-    ] {
-        let mut example = Command::new(&python);
-        example.arg(examples.join("python/submit_and_watch.py")).args(["--server", &address]).args(wrong);
-        example.arg(examples.join("two-turret/upper.nc")).env("PYTHONPATH", &out).env("PYTHONDONTWRITEBYTECODE", "1");
-        let output = example.output().unwrap();
-        let printed = String::from_utf8_lossy(&output.stderr);
-        assert_eq!((output.status.code(), printed.lines().count()), (Some(code), 1), "{printed}");
-        assert!(printed.contains(text), "{printed}");
+#[test]
+fn the_types_of_package_tests_and_example_are_right() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(python) = Python::new(folder.path()) else { return };
+    if !python.command().args(["-c", "import mypy"]).output().unwrap().status.success() {
+        eprintln!("skipped: {} has no mypy", python.interpreter);
+        return;
     }
+    let mut check = python.command();
+    check.args(["-m", "mypy", "--strict", "--cache-dir"]).arg(folder.path().join("mypy"));
+    check.args(["-p", "counterpoint"]);
+    let output = check.current_dir(&python.package).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output));
+    let mut check = python.command();
+    check.args(["-m", "mypy", "--strict", "--cache-dir"]).arg(folder.path().join("mypy"));
+    check.arg(python.source.join("tests")).arg(python.examples().join("python/submit_and_watch.py"));
+    let output = check.env("MYPYPATH", &python.package).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output));
+}
+
+#[test]
+fn the_example_submits_watches_and_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(python) = Python::new(folder.path()) else { return };
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let options = guarded(folder.path());
+    let plain = format!("http://127.0.0.1:{}", serve(&runtime, &folder.path().join("plain"), Options::default()));
+    let encrypted = format!("https://localhost:{}", serve(&runtime, &folder.path().join("encrypted"), options));
+    let programs = ["upper.nc", "lower.nc"].map(|name| python.examples().join("two-turret").join(name));
+    let drawing = folder.path().join("timeline.svg");
+    let mut example = python.example();
+    example.args(["--server", &plain, "--machine", "fanuc-2path-lathe", "--timeline"]).arg(&drawing).args(&programs);
+    let output = example.output().unwrap();
+    assert!(output.status.success() && text(&output).contains("SUCCEEDED after"), "{}", text(&output));
     assert!(std::fs::read_to_string(drawing).unwrap().starts_with("<svg"));
+    let output = python.example().args(["--server", &plain, "--machine", "fanuc-2path-lathe"]).args(&programs).output();
+    assert!(text(&output.unwrap()).contains("results of the equal job"), "an equal job is not run again");
+
+    let token = std::fs::read_to_string(folder.path().join("token")).unwrap();
+    let through = |ca: &str| {
+        let mut example = python.example();
+        example.env("COUNTERPOINT_SERVER", &encrypted).env("COUNTERPOINT_CA", folder.path().join(ca));
+        example.env("COUNTERPOINT_TOKEN", &token).args(&programs).output().unwrap()
+    };
+    let output = through("ca.pem");
+    assert!(output.status.success() && text(&output).contains("SUCCEEDED after"), "{}", text(&output));
+    let failed = |output: &Output, code: i32, part: &str| {
+        assert_eq!((output.status.code(), text(output).lines().count()), (Some(code), 1), "{}", text(output));
+        assert!(text(output).contains(part), "{}", text(output));
+    };
+    failed(&through("other.pem"), 3, "the certificate of the server");
+    for (server, machine, code, part) in [
+        ("http://127.0.0.1:1", "fanuc-mill", 3, "no server answers at http://127.0.0.1:1"),
+        (&plain, "fanuc-mil", 2, "no machine 'fanuc-mil': the server has"),
+    ] {
+        let output = python.example().args(["--server", server, "--machine", machine]).args(&programs[..1]).output();
+        failed(&output.unwrap(), code, part);
+    }
 }

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Makes counterpoint/v1 from the contract: messages and stubs, both with their types (.pyi).
 
+Also makes counterpoint/refusal_pb2.py, the messages for the details of refusals.
+
 usage: generate.py [--out FOLDER]
 """
 
@@ -9,6 +11,7 @@ import os
 import pathlib
 import sys
 
+import grpc_tools
 from grpc_tools import protoc
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -22,9 +25,12 @@ def main() -> int:
     files = sorted(str(file.relative_to(proto)) for file in proto.glob("counterpoint/v1/*.proto"))
     # The plug-ins of mypy-protobuf stand beside the interpreter, which need not be on the PATH.
     os.environ["PATH"] = os.pathsep.join([str(pathlib.Path(sys.executable).parent), os.environ.get("PATH", "")])
-    options = [f"--python_out={out}", f"--mypy_out=quiet:{out}"]
-    options += [f"--grpc_python_out={out}", f"--mypy_grpc_out=quiet:{out}"]
-    code = protoc.main(["protoc", f"-I{proto}", *options, *files])
+    # grpcio-tools has the messages of google.protobuf.
+    known = pathlib.Path(grpc_tools.__file__).parent / "_proto"
+    messages = [f"--python_out={out}", f"--mypy_out=quiet:{out}"]
+    stubs = [f"--grpc_python_out={out}", f"--mypy_grpc_out=quiet:{out}"]
+    code = protoc.main(["protoc", f"-I{proto}", *messages, *stubs, *files])
+    code = code or protoc.main(["protoc", f"-I{HERE}", f"-I{known}", *messages, "counterpoint/refusal.proto"])
     if code == 0:
         (out / "counterpoint" / "v1" / "__init__.py").write_text('"""Messages and stubs of the contract, generated."""\n')
     return code

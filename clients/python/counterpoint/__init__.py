@@ -9,19 +9,31 @@
 The modules in counterpoint.v1 are generated from the contract (generate.py).
 """
 
-from .client import Client, Event, JobFailed, Progress, UnknownMachine, Unreachable, print_progress
+from .client import Client
+from .errors import FieldError, JobFailed, Refused, UnknownMachine, Unreachable
 from .timeline import Bar, Channel, Timeline, draw
+from .v1.jobs_pb2 import JobLimits, JobOptions, JobStatus
+from .watching import Event, Progress, print_progress
+from .words import cause_name, limit_name, state_name
 
 __all__ = [
     "Bar",
     "Channel",
     "Client",
     "Event",
+    "FieldError",
     "JobFailed",
+    "JobLimits",
+    "JobOptions",
+    "JobStatus",
     "Progress",
+    "Refused",
     "Timeline",
     "UnknownMachine",
     "Unreachable",
+    "cause_name",
     "draw",
+    "limit_name",
     "print_progress",
+    "state_name",
 ]

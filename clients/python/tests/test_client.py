@@ -1,26 +1,41 @@
 """Against the server at COUNTERPOINT_TEST_SERVER."""
 
+import datetime
 import os
 import pathlib
-import socket
 import tempfile
 import time
 import unittest
+import uuid
 import xml.dom.minidom
+from typing import Callable, List
 
-from counterpoint import Client, JobFailed, UnknownMachine, Unreachable, draw
-from counterpoint.v1 import jobs_pb2
+import grpc
+
+from counterpoint import Client, Event, JobFailed, JobOptions, JobStatus, Progress, Refused, UnknownMachine
+from counterpoint import draw, limit_name, state_name
+from counterpoint.v1 import blobs_pb2, blobs_pb2_grpc, jobs_pb2, machines_pb2, machines_pb2_grpc
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "examples" / "two-turret"
+PART = b"O1\nG0 X1.\nM30\n"
+WRITER = b"""
+extends = "fanuc-mill"
+[ce]
+name = "writer"
+[macros]
+tool = "tool.mac"
+"""
+ENDLESS = b"O1\nG1 X1. F100\nN1 G4 P9\nGOTO 1\nM30\n"
 
 
 class Against(unittest.TestCase):
     def setUp(self) -> None:
-        self.client = Client(os.environ["COUNTERPOINT_TEST_SERVER"])
+        self.client = Client(f"http://{os.environ['COUNTERPOINT_TEST_SERVER']}", token="")
         self.addCleanup(self.client.close)
 
     def test_a_job_is_watched_read_and_drawn(self) -> None:
-        seen, events = [], []
+        seen: List[List[Progress]] = []
+        events: List[Event] = []
         job = self.client.submit("fanuc-2path-lathe", [EXAMPLES / "upper.nc", EXAMPLES / "lower.nc"])
         status = self.client.watch(job, progress=seen.append, event=events.append)
         summary = self.client.summary(job)
@@ -38,42 +53,35 @@ class Against(unittest.TestCase):
         self.client.delete(job)
 
     def test_a_request_id_is_accepted_once_and_what_cannot_run_is_an_error(self) -> None:
-        programs = {"a.nc": b"O1\nG0 X1.\nM30\n"}
+        programs = {"a.nc": PART}
         first = self.client.submit("fanuc-mill", programs, request_id="once")
         self.assertEqual(self.client.submit("fanuc-mill", programs, request_id="once"), first)
-        with self.assertRaises(JobFailed):
-            self.client.watch(self.client.submit("fanuc-2path-lathe", {"b.nc": b"", "c.nc": b"", "d.nc": b""}))
+        job = self.client.submit("fanuc-2path-lathe", {"b.nc": b"", "c.nc": b"", "d.nc": b""})
+        follows: List[Callable[[str], JobStatus]] = [self.client.watch, self.client.wait]
+        for follow in follows:
+            with self.assertRaises(JobFailed) as raised:
+                follow(job)
+            status = raised.exception.status
+            self.assertEqual((status and status.job_id, status and status.error), (job, str(raised.exception)))
 
     def test_a_watch_of_a_job_that_is_paused_and_cancelled_ends_with_the_job(self) -> None:
-        job = self.client.submit("fanuc-mill", {"a.nc": b"O1\nG1 X1. F100\nN1 G4 P9\nGOTO 1\nM30\n"})
+        job = self.client.submit("fanuc-mill", {"a.nc": ENDLESS})
         cursor, state = 0, None
         for message in self.client.events(job):
             if message.WhichOneof("content") == "batch" and not cursor:
                 cursor = message.batch.last_seq
-                self.client._jobs.PauseJob(jobs_pb2.PauseJobRequest(job_id=job))
-                while self.status(job) == jobs_pb2.JOB_STATE_RUNNING:
+                self.assertTrue(self.client.pause(job).paused)
+                while state_name(self.client.status(job)) == "RUNNING":
                     time.sleep(0.01)
-                self.client._jobs.CancelJob(jobs_pb2.CancelJobRequest(job_id=job))
+                self.assertTrue(self.client.cancel(job).cancel_requested)
             elif message.WhichOneof("content") == "ended":
                 state = message.ended.state
         self.assertEqual(state, jobs_pb2.JOB_STATE_CANCELLED)
         self.assertEqual(list(self.client.events(job, after=cursor))[-1].ended.state, state)
 
-    def status(self, job: str) -> int:
-        return self.client._jobs.GetJob(jobs_pb2.GetJobRequest(job_id=job)).status.state
-
-    def test_a_wrong_port_fails_at_once_with_a_sentence(self) -> None:
-        with socket.socket() as closed:
-            closed.bind(("127.0.0.1", 0))
-            address = f"127.0.0.1:{closed.getsockname()[1]}"
-            begin = time.monotonic()
-            with self.assertRaisesRegex(Unreachable, f"no server without TLS answers at {address}"):
-                Client(address)
-            self.assertLess(time.monotonic() - begin, 2)
-
     def test_an_unknown_machine_names_the_machines(self) -> None:
         with self.assertRaisesRegex(UnknownMachine, "no machine 'fanuc-mil': the server has .*fanuc-mill, .*okuma-mill"):
-            self.client.submit("fanuc-mil", {"a.nc": b"O1\nM30\n"})
+            self.client.submit("fanuc-mil", {"a.nc": PART})
 
     def test_a_file_serves_several_channels_and_names_are_unique(self) -> None:
         program = EXAMPLES / "upper.nc"
@@ -85,6 +93,100 @@ class Against(unittest.TestCase):
             other.write_bytes(b"O1\nM30\n")
             with self.assertRaisesRegex(ValueError, "upper.nc"):
                 self.client.submit("fanuc-2path-lathe", [program, other])
+
+    def test_a_job_is_submitted_with_subprograms_labels_priority_deadline_and_options(self) -> None:
+        main = b"O1\nG90 G94 F100\nM98 P2\nM30\n"
+        before = datetime.datetime.now(datetime.timezone.utc)
+        deadline = before + datetime.timedelta(hours=1)
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "O0002.nc").write_bytes(b"O2\nG1 X5.\nM99\n")
+            job = self.client.submit(
+                "fanuc-mill",
+                {"a.nc": main},
+                JobOptions(trace="A", no_cache=True),
+                files=[folder],
+                labels={"part": "17"},
+                priority="high",
+                deadline=deadline,
+            )
+        status = self.client.wait(job)
+        self.assertEqual((state_name(status), dict(status.labels)), ("SUCCEEDED", {"part": "17"}))
+        self.assertEqual(status.priority, jobs_pb2.JOB_PRIORITY_HIGH)
+        self.assertEqual(status.deadline_ms, int(deadline.timestamp() * 1000))
+        self.assertEqual([one.job_id for one in self.client.jobs(labels={"part": "17"}, since=before)], [job])
+        self.assertIn("M98 P2", self.client.trace(job))
+        moves = self.client.toolpath(job)["channels"][0]["segments"]
+        self.assertTrue(any(move["file"] == "O0002.nc" for move in moves), moves)
+        for drawing in [self.client.toolpath_svg(job), self.client.timeline_svg(job)]:
+            self.assertTrue(drawing.startswith("<svg"), drawing[:80])
+        self.assertEqual(len(list(self.client.event_log(job))), status.events)
+
+    def test_an_equal_job_is_reused_and_a_rerun_is_not(self) -> None:
+        programs = {"a.nc": PART + uuid.uuid4().bytes.hex().encode()}
+        first = self.client.submit("fanuc-mill", programs, labels={"lot": "1"})
+        self.assertEqual(self.client.wait(first).reused_from, "")
+        self.assertEqual(self.client.wait(self.client.submit("fanuc-mill", programs)).reused_from, first)
+        apart = self.client.submit("fanuc-mill", programs, JobOptions(no_cache=True))
+        self.assertEqual(self.client.wait(apart).reused_from, "")
+        again = self.client.wait(self.client.rerun(first, priority="low"))
+        self.assertEqual((again.rerun_of, again.reused_from), (first, ""))
+        self.assertEqual((dict(again.labels), again.priority), ({"lot": "1"}, jobs_pb2.JOB_PRIORITY_LOW))
+
+    def test_a_job_is_paused_resumed_cancelled_and_deleted(self) -> None:
+        job = self.client.submit("fanuc-mill", {"a.nc": ENDLESS}, labels={"kind": "endless"})
+        self.assertTrue(self.client.pause(job).paused)
+        with self.assertRaisesRegex(TimeoutError, job):
+            self.client.wait(job, timeout=0.01)
+        self.assertEqual([one.job_id for one in self.client.jobs(["paused"])], [job])
+        self.assertFalse(self.client.resume(job).paused)
+        with self.assertRaises(Refused) as raised:
+            self.client.summary(job)
+        self.assertEqual(raised.exception.reason, "JOB_NOT_ENDED")
+        self.client.cancel(job)
+        self.assertEqual(state_name(self.client.wait(job)), "CANCELLED")
+        self.client.delete(job)
+        self.assertEqual(list(self.client.jobs(labels={"kind": "endless"})), [])
+
+    def test_a_deadline_ends_a_job_with_its_limit(self) -> None:
+        job = self.client.submit("fanuc-mill", {"a.nc": ENDLESS}, deadline=datetime.timedelta(seconds=0.1))
+        status = self.client.wait(job)
+        self.assertEqual((state_name(status), limit_name(status)), ("FAILED", "DEADLINE"))
+
+    def test_jobs_are_listed_over_pages_in_both_orders(self) -> None:
+        labels = {"many": str(uuid.uuid4())}
+        jobs = [self.client.submit("fanuc-mill", {"a.nc": PART}, labels=labels) for _ in range(51)]
+        self.assertEqual([one.job_id for one in self.client.jobs(labels=labels)], jobs)
+        newest = self.client.jobs(labels=labels, newest_first=True)
+        self.assertEqual(next(newest).job_id, jobs[-1])
+
+    def test_files_of_macros_are_listed_and_read(self) -> None:
+        self.put_machine("writer", WRITER, b"OUTPUT\nOPEN/20,'lists/tools.txt'\nWRITE/20,'T!(*)',$P3\n")
+        job = self.client.submit("writer", {"a.nc": b"O1\nG90 G94 F100\nT3 M6\nG1 X1.\nM30\n"})
+        self.client.wait(job)
+        self.assertEqual([file.path for file in self.client.files(job)], ["lists/tools.txt"])
+        self.assertEqual(self.client.file(job, "lists/tools.txt").split(), [b"T3"])
+        with self.assertRaises(Refused) as raised:
+            self.client.file(job, "absent.txt")
+        self.assertEqual(raised.exception.reason, "UNKNOWN_FILE")
+
+    def put_machine(self, name: str, definition: bytes, macro: bytes) -> None:
+        channel = grpc.insecure_channel(os.environ["COUNTERPOINT_TEST_SERVER"])
+        self.addCleanup(channel.close)
+        request = machines_pb2.PutMachineRequest(name=name)
+        for path, data in [(f"{name}/machine.toml", definition), (f"{name}/tool.mac", macro)]:
+            answer = blobs_pb2_grpc.BlobsStub(channel).PutBlob(blobs_pb2.PutBlobRequest(data=data))
+            request.files.add(path=path, digest=answer.digest)
+        machines_pb2_grpc.MachinesStub(channel).PutMachine(request)
+
+    def test_a_refusal_names_the_fields_that_are_wrong(self) -> None:
+        with self.assertRaises(Refused) as raised:
+            self.client.submit("fanuc-mill", {"a.nc": PART}, labels={"UPPER": "x"})
+        refusal = raised.exception
+        self.assertEqual((refusal.reason, refusal.code.name), ("INVALID_REQUEST", "INVALID_ARGUMENT"))
+        self.assertEqual([field.field for field in refusal.fields], ['labels["UPPER"]'])
+        with self.assertRaises(Refused) as raised:
+            self.client.status("absent")
+        self.assertEqual((raised.exception.reason, raised.exception.message), ("UNKNOWN_JOB", "no job 'absent'"))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,53 @@
+"""Words for the numbers of the contract."""
+
+import datetime
+from typing import Iterable, List, Optional, Union
+
+from .v1 import jobs_pb2
+
+#: A time, or a time from now.
+When = Union[datetime.datetime, datetime.timedelta]
+
+
+def state_name(status: jobs_pb2.JobStatus) -> str:
+    """The state of a job: QUEUED, RUNNING, SUCCEEDED, FAILED or CANCELLED."""
+    return jobs_pb2.JobState.Name(status.state).replace("JOB_STATE_", "")
+
+
+def cause_name(status: jobs_pb2.JobStatus) -> str:
+    """The reason for the failure of a job: PROGRAM, MACHINE, LIMIT or HOST; empty if it has not failed."""
+    return jobs_pb2.JobCause.Name(status.cause).replace("JOB_CAUSE_", "").replace("UNSPECIFIED", "")
+
+
+def limit_name(status: jobs_pb2.JobStatus) -> str:
+    """The limit that stopped a job, for example WALL_MS or DEADLINE; empty if no limit did."""
+    return jobs_pb2.JobLimit.Name(status.limit).replace("JOB_LIMIT_", "").replace("UNSPECIFIED", "")
+
+
+def states(names: Iterable[str]) -> List["jobs_pb2.JobState.ValueType"]:
+    """States by name, in any letter case."""
+    known = {name.replace("JOB_STATE_", ""): value for name, value in jobs_pb2.JobState.items() if value}
+    return [known[_word("state", name, known)] for name in names]
+
+
+def priority(name: Optional[str]) -> "jobs_pb2.JobPriority.ValueType":
+    """A priority by name, in any letter case; UNSPECIFIED for None."""
+    if name is None:
+        return jobs_pb2.JOB_PRIORITY_UNSPECIFIED
+    known = {name.replace("JOB_PRIORITY_", ""): value for name, value in jobs_pb2.JobPriority.items() if value}
+    return known[_word("priority", name, known)]
+
+
+def milliseconds(when: Optional[When]) -> int:
+    """Milliseconds since 1970-01-01 UTC; 0 for None."""
+    if when is None:
+        return 0
+    if isinstance(when, datetime.timedelta):
+        when = datetime.datetime.now(datetime.timezone.utc) + when
+    return int(when.timestamp() * 1000)
+
+
+def _word(kind: str, name: str, known: Iterable[str]) -> str:
+    if name.upper() not in known:
+        raise ValueError(f"'{name}' is not a {kind}: expected {', '.join(known).lower()}")
+    return name.upper()

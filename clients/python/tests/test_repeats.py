@@ -1,0 +1,127 @@
+"""Calls that a server answers with UNAVAILABLE, against a server in this process."""
+
+import unittest
+from concurrent import futures
+from typing import Iterator, List
+
+import grpc
+from google.protobuf import any_pb2
+
+from counterpoint import Client, Refused, Unreachable, refusal_pb2
+from counterpoint.v1 import blobs_pb2, blobs_pb2_grpc, event_pb2, jobs_pb2, jobs_pb2_grpc
+
+Context = grpc.ServicerContext
+
+
+def refuse(context: Context, reason: str, code: grpc.StatusCode, seconds: int = 0) -> None:
+    """Refuses a call as a server of Counterpoint does."""
+    info = refusal_pb2.ErrorInfo(reason=reason, domain="counterpoint", metadata={"cursor": "7"})
+    retry = refusal_pb2.RetryInfo()
+    retry.retry_delay.seconds = seconds
+    status = refusal_pb2.Status(message="not now")
+    for name, detail in [("ErrorInfo", info), ("RetryInfo", retry)]:
+        url = f"type.googleapis.com/google.rpc.{name}"
+        status.details.append(any_pb2.Any(type_url=url, value=detail.SerializeToString()))
+    context.set_trailing_metadata((("grpc-status-details-bin", status.SerializeToString()),))
+    context.abort(code, "not now")
+
+
+class Server(jobs_pb2_grpc.JobsServicer, blobs_pb2_grpc.BlobsServicer):
+    """Refuses the first calls with UNAVAILABLE."""
+
+    def __init__(self) -> None:
+        self.refusals = 0
+        self.requests: List[str] = []
+        self.cursors: List[int] = []
+
+    def FindMissing(
+        self, request: blobs_pb2.FindMissingRequest, context: Context
+    ) -> blobs_pb2.FindMissingResponse:
+        return blobs_pb2.FindMissingResponse()
+
+    def SubmitJob(self, request: jobs_pb2.SubmitJobRequest, context: Context) -> jobs_pb2.SubmitJobResponse:
+        self.requests.append(request.request_id)
+        self.refuse(context)
+        return jobs_pb2.SubmitJobResponse(status=jobs_pb2.JobStatus(job_id="job"))
+
+    def DeleteJob(self, request: jobs_pb2.DeleteJobRequest, context: Context) -> jobs_pb2.DeleteJobResponse:
+        self.requests.append(request.job_id)
+        self.refuse(context)
+        return jobs_pb2.DeleteJobResponse()
+
+    def GetJob(self, request: jobs_pb2.GetJobRequest, context: Context) -> jobs_pb2.GetJobResponse:
+        refuse(context, "QUEUE_FULL", grpc.StatusCode.RESOURCE_EXHAUSTED, seconds=3)
+        return jobs_pb2.GetJobResponse()
+
+    def WatchJob(
+        self, request: jobs_pb2.WatchJobRequest, context: Context
+    ) -> Iterator[jobs_pb2.WatchJobResponse]:
+        self.cursors.append(request.after_seq)
+        events = [event_pb2.Event(seq=seq) for seq in (1, 2, 3) if seq >= request.after_seq]
+        yield jobs_pb2.WatchJobResponse(batch=event_pb2.EventBatch(events=events, last_seq=3))
+        self.refuse(context)
+        yield jobs_pb2.WatchJobResponse(ended=jobs_pb2.JobStatus(state=jobs_pb2.JOB_STATE_SUCCEEDED))
+
+    def refuse(self, context: Context) -> None:
+        if self.refusals:
+            self.refusals -= 1
+            refuse(context, "DRAINING", grpc.StatusCode.UNAVAILABLE)
+
+
+class Repeats(unittest.TestCase):
+    def setUp(self) -> None:
+        # The other calls of the services answer UNIMPLEMENTED.
+        self.service = Server()  # type: ignore[abstract]
+        self.server = grpc.server(futures.ThreadPoolExecutor(4))
+        jobs_pb2_grpc.add_JobsServicer_to_server(self.service, self.server)
+        blobs_pb2_grpc.add_BlobsServicer_to_server(self.service, self.server)
+        self.address = f"127.0.0.1:{self.server.add_insecure_port('127.0.0.1:0')}"
+        self.server.start()
+        self.addCleanup(self.server.stop, None)
+
+    def client(self, patience: float) -> Client:
+        client = Client(f"http://{self.address}", token="", patience=patience, reach=10)
+        self.addCleanup(client.close)
+        return client
+
+    def test_a_submit_is_repeated_with_its_request_id(self) -> None:
+        self.service.refusals = 2
+        self.assertEqual(self.client(60).submit("fanuc-mill", {"a.nc": b"O1\nM30\n"}), "job")
+        self.assertEqual((len(self.service.requests), len(set(self.service.requests))), (3, 1))
+
+    def test_a_delete_is_not_repeated(self) -> None:
+        self.service.refusals = 1
+        with self.assertRaises(Refused):
+            self.client(60).delete("job")
+        self.assertEqual(self.service.requests, ["job"])
+
+    def test_the_refusal_is_raised_at_the_end_of_patience(self) -> None:
+        self.service.refusals = 1000
+        with self.assertRaises(Refused) as raised:
+            self.client(0).submit("fanuc-mill", {"a.nc": b"O1\nM30\n"})
+        refusal = raised.exception
+        self.assertEqual((refusal.reason, refusal.code), ("DRAINING", grpc.StatusCode.UNAVAILABLE))
+        self.assertEqual((refusal.message, refusal.details), ("not now", {"cursor": "7"}))
+        self.assertEqual(str(refusal), "not now (DRAINING)")
+
+    def test_a_refusal_has_the_time_to_wait(self) -> None:
+        with self.assertRaises(Refused) as raised:
+            self.client(60).status("job")
+        self.assertEqual((raised.exception.reason, raised.exception.retry_after), ("QUEUE_FULL", 3.0))
+
+    def test_a_server_that_has_gone_is_unreachable(self) -> None:
+        client = self.client(0)
+        self.server.stop(None).wait()
+        with self.assertRaisesRegex(Unreachable, f"http://{self.address}"):
+            client.status("job")
+
+    def test_a_broken_watch_continues_at_its_cursor_without_an_event_twice(self) -> None:
+        self.service.refusals = 1
+        messages = list(self.client(60).events("job"))
+        self.assertEqual(self.service.cursors, [0, 3])
+        self.assertEqual([event.seq for message in messages for event in message.batch.events], [1, 2, 3])
+        self.assertEqual(messages[-1].ended.state, jobs_pb2.JOB_STATE_SUCCEEDED)
+
+
+if __name__ == "__main__":
+    unittest.main()
