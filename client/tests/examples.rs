@@ -3,6 +3,9 @@
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
+#[cfg(unix)]
+mod guarded;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -161,6 +164,41 @@ fn the_example_for_node_runs() {
     let folder = tempfile::tempdir().unwrap();
     let source = beside(&modules, "node", folder.path());
     check(&node(source.join("submit_and_watch.js")), "--", folder.path());
+    check_encrypted(&node(source.join("submit_and_watch.js")), folder.path());
+}
+
+/// Runs a client that takes address, token and authorities from the environment, against a server with TLS.
+#[cfg(unix)]
+fn check_encrypted(command: &dyn Fn() -> Command, folder: &Path) {
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let options = Options { data: folder.join("encrypted"), grace_s: 0, ..guarded::options(folder) };
+    let options = Options { listen: "127.0.0.1:0".parse().unwrap(), ..options };
+    let service = runtime.block_on(service::build(options)).unwrap();
+    let port = service.handle().address().port();
+    runtime.spawn(service.run(std::future::pending()));
+    let (examples, token) = (repository().join("examples"), std::fs::read_to_string(folder.join("token")).unwrap());
+    let run = |server: &str, ca: &str| {
+        let mut command = command();
+        command.env("COUNTERPOINT_SERVER", server).env("COUNTERPOINT_CA", folder.join(ca));
+        command.env("COUNTERPOINT_TOKEN", &token).args(["--machine", "fanuc-2path-lathe", "--listing"]);
+        command.arg(folder.join("encrypted.lce"));
+        command.args(["upper.nc", "lower.nc"].map(|name| examples.join("two-turret").join(name)));
+        command.output().unwrap()
+    };
+    for server in [format!("https://localhost:{port}"), format!("localhost:{port}")] {
+        let output = run(&server, "ca.pem");
+        assert!(output.status.success() && text(&output).contains("SUCCEEDED after"), "{}", text(&output));
+    }
+    for (server, ca, part) in [
+        (format!("https://localhost:{port}"), "other.pem", "verify the first certificate"),
+        (format!("http://localhost:{port}"), "ca.pem", "with http or https"),
+    ] {
+        let output = run(&server, ca);
+        assert_eq!((output.status.code(), text(&output).lines().count()), (Some(3), 1), "{}", text(&output));
+        assert!(text(&output).contains(part), "{}", text(&output));
+    }
+    let output = run(&format!("https://localhost:{port}"), "absent.pem");
+    assert!(text(&output).starts_with("COUNTERPOINT_CA: "), "{}", text(&output));
 }
 
 #[cfg(unix)]

@@ -2,13 +2,13 @@
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
+mod guarded;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use counterpoint_server::access::{Role, token};
 use counterpoint_server::options::Options;
 use counterpoint_server::service;
-use rcgen::{BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair};
 
 /// Variables that would change the tests.
 const VARIABLES: [&str; 6] = [
@@ -95,42 +95,6 @@ fn serve(runtime: &tokio::runtime::Runtime, data: &Path, options: Options) -> u1
     port
 }
 
-/// Writes a new authority; returns its issuer.
-fn authority(file: &Path) -> Issuer<'static, KeyPair> {
-    let key = KeyPair::generate().unwrap();
-    let mut params = CertificateParams::new(vec![]).unwrap();
-    params.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
-    // OpenSSL takes a certificate whose subject has the name of its issuer for a self-signed one.
-    params.distinguished_name.push(DnType::CommonName, file.display().to_string());
-    std::fs::write(file, params.self_signed(&key).unwrap().pem()).unwrap();
-    Issuer::new(params, key)
-}
-
-/// Writes `NAME.pem` and `NAME.key`.
-fn certify(folder: &Path, name: &str, host: &str, issuer: &Issuer<'_, KeyPair>, usage: ExtendedKeyUsagePurpose) {
-    let key = KeyPair::generate().unwrap();
-    let mut params = CertificateParams::new(vec![host.to_owned()]).unwrap();
-    params.extended_key_usages = vec![usage];
-    std::fs::write(folder.join(name).with_extension("pem"), params.signed_by(&key, issuer).unwrap().pem()).unwrap();
-    std::fs::write(folder.join(name).with_extension("key"), key.serialize_pem()).unwrap();
-}
-
-/// Options of a server with TLS and identities and with one place in its queue. Writes the files of its clients.
-fn guarded(folder: &Path) -> Options {
-    let issuer = authority(&folder.join("ca.pem"));
-    authority(&folder.join("other.pem"));
-    certify(folder, "server", "localhost", &issuer, ExtendedKeyUsagePurpose::ServerAuth);
-    certify(folder, "client", "cell-3.example", &issuer, ExtendedKeyUsagePurpose::ClientAuth);
-    let (token, row) = token::create("ci", "milling", Role::Submit, None).unwrap();
-    std::fs::write(folder.join("token"), token).unwrap();
-    std::fs::write(folder.join("access.toml"), row).unwrap();
-    let mut options = Options { workers: 1, queue: 1, ..Options::default() };
-    options.guard.access = folder.join("access.toml");
-    options.guard.tls_cert = folder.join("server.pem");
-    options.guard.tls_key = folder.join("server.key");
-    options
-}
-
 #[test]
 fn the_python_package_does_as_it_is_documented() {
     let folder = tempfile::tempdir().unwrap();
@@ -139,7 +103,7 @@ fn the_python_package_does_as_it_is_documented() {
         assert!(python.package.join("counterpoint").join(types).is_file(), "messages and stubs have types");
     }
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
-    let options = guarded(folder.path());
+    let options = guarded::options(folder.path());
     let mut mutual = options.clone();
     mutual.guard.tls_client_ca = folder.path().join("ca.pem");
     let plain = serve(&runtime, &folder.path().join("plain"), Options::default());
@@ -179,7 +143,7 @@ fn the_example_submits_watches_and_draws() {
     let folder = tempfile::tempdir().unwrap();
     let Some(python) = Python::new(folder.path()) else { return };
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
-    let options = guarded(folder.path());
+    let options = guarded::options(folder.path());
     let plain = format!("http://127.0.0.1:{}", serve(&runtime, &folder.path().join("plain"), Options::default()));
     let encrypted = format!("https://localhost:{}", serve(&runtime, &folder.path().join("encrypted"), options));
     let programs = ["upper.nc", "lower.nc"].map(|name| python.examples().join("two-turret").join(name));

@@ -18,6 +18,38 @@ const REACH_MS = 1500;
 
 class Unreachable extends Error {}
 
+/** The target and the credentials for gRPC. HOST:PORT means https if COUNTERPOINT_CA names authorities. */
+function place(address) {
+  const scheme = process.env.COUNTERPOINT_CA ? "https" : "http";
+  const whole = address.includes("://") ? address : `${scheme}://${address}`;
+  const { protocol, host, port } = URL.canParse(whole) ? new URL(whole) : {};
+  if (protocol !== "http:" && protocol !== "https:") {
+    throw new Error(`server address '${address}': expected HOST:PORT, http://HOST:PORT or https://HOST:PORT`);
+  }
+  const secure = protocol === "https:";
+  const target = port ? host : `${host}:${secure ? 443 : 80}`;
+  if (!secure) {
+    return { url: `http://${host}`, target, credentials: grpc.credentials.createInsecure() };
+  }
+  const [ca, key, certificate] = ["CA", "CLIENT_KEY", "CLIENT_CERT"].map((name) => pem(`COUNTERPOINT_${name}`));
+  return { url: `https://${host}`, target, credentials: grpc.credentials.createSsl(ca, key, certificate) };
+}
+
+/** The content of the file that a variable names; null without the variable. */
+function pem(variable) {
+  try {
+    return process.env[variable] ? fs.readFileSync(process.env[variable]) : null;
+  } catch (error) {
+    throw new Error(`${variable}: ${error.message}`);
+  }
+}
+
+/** The cause in the details of a failed connection, in one line. */
+function reason(details) {
+  const known = /Last error: (?:Error[^:]*: )?(.*?)(?: \(\d{4}-[^)]*\))?\.? *Resolution note/s.exec(details);
+  return (known ? known[1] : details).replace(/\s+/g, " ").trim();
+}
+
 /** Connects within REACH_MS: one channel, with a stub for each service. */
 async function connect(address) {
   const proto = process.env.COUNTERPOINT_PROTO ?? path.join(__dirname, "../../proto");
@@ -26,14 +58,19 @@ async function connect(address) {
   const form = { includeDirs: [proto], longs: String, enums: String, defaults: true, oneofs: true };
   const { v1 } = grpc.loadPackageDefinition(loader.loadSync(files, form)).counterpoint;
   const options = { "grpc.keepalive_time_ms": 30_000, "grpc.keepalive_timeout_ms": 10_000 };
-  const insecure = grpc.credentials.createInsecure();
-  const first = new v1.Jobs(address, insecure, options);
-  await promisify(first.waitForReady.bind(first))(Date.now() + REACH_MS).catch(() => {
+  const { url, target, credentials } = place(address);
+  const first = new v1.Jobs(target, credentials, options);
+  try {
+    await promisify(first.waitForReady.bind(first))(Date.now() + REACH_MS);
+  } catch {
+    // A call on the failed channel returns the cause, for example a certificate that is not accepted.
+    const cause = await call(first, "ListJobs", {}).then(() => "too slow", (error) => reason(error.details));
     first.close();
-    throw new Unreachable(`no server without TLS answers at ${address}: check the address, or start counterpointd`);
-  });
+    const advice = "check the address with http or https, the certificates, and that counterpointd runs";
+    throw new Unreachable(`no connection to ${url} (${cause}): ${advice}`);
+  }
   const channelOverride = first.getChannel();
-  const stub = (Service) => new Service(address, insecure, { channelOverride });
+  const stub = (Service) => new Service(target, credentials, { channelOverride });
   return { jobs: first, blobs: stub(v1.Blobs), operator: stub(v1.Operator), results: stub(v1.Results) };
 }
 
@@ -151,7 +188,7 @@ async function main() {
   const { values: options, positionals: programs } = parseArgs({
     allowPositionals: true,
     options: {
-      server: { type: "string", default: "127.0.0.1:7878" },
+      server: { type: "string", default: process.env.COUNTERPOINT_SERVER || "http://127.0.0.1:7878" },
       machine: { type: "string", default: "fanuc-mill" },
       listing: { type: "string", default: "job.lce" },
       set: { type: "string", multiple: true, default: [] },
