@@ -19,7 +19,7 @@ class Results(Calls):
         return dict(json.loads(self._whole(self._results.GetSummary, results_pb2.GetSummaryRequest(job_id=job))))
 
     def listing(self, job: str, channel: int = 0, log: bool = False, console: bool = False) -> str:
-        """Listing of a channel; 0: of all channels. log: the log file instead. console: the console instead."""
+        """Listing of a channel; 0: of all channels. log: the log file of a channel instead. console: the console."""
         request = results_pb2.GetListingRequest(job_id=job, channel=channel, log=log, console=console)
         return self._text(self._whole(self._results.GetListing, request))
 

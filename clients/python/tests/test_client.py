@@ -1,5 +1,6 @@
 """Against the server at COUNTERPOINT_TEST_SERVER."""
 
+import contextlib
 import datetime
 import os
 import pathlib
@@ -8,12 +9,12 @@ import time
 import unittest
 import uuid
 import xml.dom.minidom
-from typing import Callable, List
+from typing import Any, Callable, List
 
 import grpc
 
 from counterpoint import Client, Event, JobFailed, JobOptions, JobStatus, Progress, Refused, UnknownMachine
-from counterpoint import draw, limit_name, state_name
+from counterpoint import cause_name, draw, limit_name, state_name
 from counterpoint.v1 import blobs_pb2, blobs_pb2_grpc, jobs_pb2, machines_pb2, machines_pb2_grpc
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "examples" / "two-turret"
@@ -33,6 +34,18 @@ class Against(unittest.TestCase):
         self.client = Client(f"http://{os.environ['COUNTERPOINT_TEST_SERVER']}", token="")
         self.addCleanup(self.client.close)
 
+    def endless(self, **settings: Any) -> str:
+        """Submits a job that runs until the end of the test."""
+        job = self.client.submit("fanuc-mill", {"a.nc": ENDLESS}, **settings)
+        other = Client(f"http://{os.environ['COUNTERPOINT_TEST_SERVER']}", token="")
+
+        def end() -> None:
+            with other, contextlib.suppress(Refused):
+                other.cancel(job)
+
+        self.addCleanup(end)
+        return job
+
     def test_a_job_is_watched_read_and_drawn(self) -> None:
         seen: List[List[Progress]] = []
         events: List[Event] = []
@@ -49,7 +62,10 @@ class Against(unittest.TestCase):
             self.assertAlmostEqual(channel.seconds("feed"), expected["feed_ns"] / 1e9, places=3)
         drawing = xml.dom.minidom.parseString(draw(timeline))
         self.assertGreater(len(drawing.getElementsByTagName("rect")), 10)
-        self.assertIn("O1001", self.client.listing(job))
+        whole, upper, lower = (self.client.listing(job, number) for number in (0, 1, 2))
+        self.assertIn("O1001", whole)
+        log, console = self.client.listing(job, 1, log=True), self.client.listing(job, console=True)
+        self.assertEqual(len({whole, upper, lower, log, console}), 5, "five different texts")
         self.client.delete(job)
 
     def test_a_request_id_is_accepted_once_and_what_cannot_run_is_an_error(self) -> None:
@@ -65,7 +81,7 @@ class Against(unittest.TestCase):
             self.assertEqual((status and status.job_id, status and status.error), (job, str(raised.exception)))
 
     def test_a_watch_of_a_job_that_is_paused_and_cancelled_ends_with_the_job(self) -> None:
-        job = self.client.submit("fanuc-mill", {"a.nc": ENDLESS})
+        job = self.endless()
         cursor, state = 0, None
         for message in self.client.events(job):
             if message.WhichOneof("content") == "batch" and not cursor:
@@ -133,11 +149,12 @@ class Against(unittest.TestCase):
         self.assertEqual((dict(again.labels), again.priority), ({"lot": "1"}, jobs_pb2.JOB_PRIORITY_LOW))
 
     def test_a_job_is_paused_resumed_cancelled_and_deleted(self) -> None:
-        job = self.client.submit("fanuc-mill", {"a.nc": ENDLESS}, labels={"kind": "endless"})
+        labels = {"test": str(uuid.uuid4())}
+        job = self.endless(labels=labels)
         self.assertTrue(self.client.pause(job).paused)
         with self.assertRaisesRegex(TimeoutError, job):
             self.client.wait(job, timeout=0.01)
-        self.assertEqual([one.job_id for one in self.client.jobs(["paused"])], [job])
+        self.assertEqual([one.job_id for one in self.client.jobs(["paused"], labels=labels)], [job])
         self.assertFalse(self.client.resume(job).paused)
         with self.assertRaises(Refused) as raised:
             self.client.summary(job)
@@ -145,12 +162,12 @@ class Against(unittest.TestCase):
         self.client.cancel(job)
         self.assertEqual(state_name(self.client.wait(job)), "CANCELLED")
         self.client.delete(job)
-        self.assertEqual(list(self.client.jobs(labels={"kind": "endless"})), [])
+        self.assertEqual(list(self.client.jobs(labels=labels)), [])
 
     def test_a_deadline_ends_a_job_with_its_limit(self) -> None:
-        job = self.client.submit("fanuc-mill", {"a.nc": ENDLESS}, deadline=datetime.timedelta(seconds=0.1))
+        job = self.endless(deadline=datetime.timedelta(seconds=0.1))
         status = self.client.wait(job)
-        self.assertEqual((state_name(status), limit_name(status)), ("FAILED", "DEADLINE"))
+        self.assertEqual((state_name(status), cause_name(status), limit_name(status)), ("FAILED", "LIMIT", "DEADLINE"))
 
     def test_jobs_are_listed_over_pages_in_both_orders(self) -> None:
         labels = {"many": str(uuid.uuid4())}

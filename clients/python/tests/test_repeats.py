@@ -9,6 +9,7 @@ from google.protobuf import any_pb2
 
 from counterpoint import Client, Refused, Unreachable, refusal_pb2
 from counterpoint.v1 import blobs_pb2, blobs_pb2_grpc, event_pb2, jobs_pb2, jobs_pb2_grpc
+from counterpoint.v1 import results_pb2, results_pb2_grpc
 
 Context = grpc.ServicerContext
 
@@ -26,7 +27,7 @@ def refuse(context: Context, reason: str, code: grpc.StatusCode, seconds: int = 
     context.abort(code, "not now")
 
 
-class Server(jobs_pb2_grpc.JobsServicer, blobs_pb2_grpc.BlobsServicer):
+class Server(jobs_pb2_grpc.JobsServicer, blobs_pb2_grpc.BlobsServicer, results_pb2_grpc.ResultsServicer):
     """Refuses the first calls with UNAVAILABLE."""
 
     def __init__(self) -> None:
@@ -62,6 +63,14 @@ class Server(jobs_pb2_grpc.JobsServicer, blobs_pb2_grpc.BlobsServicer):
         self.refuse(context)
         yield jobs_pb2.WatchJobResponse(ended=jobs_pb2.JobStatus(state=jobs_pb2.JOB_STATE_SUCCEEDED))
 
+    def GetEvents(
+        self, request: results_pb2.GetEventsRequest, context: Context
+    ) -> Iterator[results_pb2.GetEventsResponse]:
+        yield results_pb2.GetEventsResponse(data=b'{"seq": 1}\n{"seq":')
+        yield results_pb2.GetEventsResponse(data=b' 2}\n')
+        self.refuse(context)
+        yield results_pb2.GetEventsResponse(data=b'{"seq": 3}\n{"seq": 4}')
+
     def refuse(self, context: Context) -> None:
         if self.refusals:
             self.refusals -= 1
@@ -75,6 +84,7 @@ class Repeats(unittest.TestCase):
         self.server = grpc.server(futures.ThreadPoolExecutor(4))
         jobs_pb2_grpc.add_JobsServicer_to_server(self.service, self.server)
         blobs_pb2_grpc.add_BlobsServicer_to_server(self.service, self.server)
+        results_pb2_grpc.add_ResultsServicer_to_server(self.service, self.server)
         self.address = f"127.0.0.1:{self.server.add_insecure_port('127.0.0.1:0')}"
         self.server.start()
         self.addCleanup(self.server.stop, None)
@@ -112,7 +122,7 @@ class Repeats(unittest.TestCase):
     def test_a_server_that_has_gone_is_unreachable(self) -> None:
         client = self.client(0)
         self.server.stop(None).wait()
-        with self.assertRaisesRegex(Unreachable, f"http://{self.address}"):
+        with self.assertRaisesRegex(Unreachable, f"no server answers at http://{self.address} .*: check the address"):
             client.status("job")
 
     def test_a_broken_watch_continues_at_its_cursor_without_an_event_twice(self) -> None:
@@ -121,6 +131,10 @@ class Repeats(unittest.TestCase):
         self.assertEqual(self.service.cursors, [0, 3])
         self.assertEqual([event.seq for message in messages for event in message.batch.events], [1, 2, 3])
         self.assertEqual(messages[-1].ended.state, jobs_pb2.JOB_STATE_SUCCEEDED)
+
+    def test_a_broken_event_log_continues_after_the_last_event(self) -> None:
+        self.service.refusals = 1
+        self.assertEqual([event["seq"] for event in self.client(60).event_log("job")], [1, 2, 3, 4])
 
 
 if __name__ == "__main__":
