@@ -47,7 +47,8 @@ function pem(variable) {
 /** The cause in the details of a failed connection, in one line. */
 function reason(details) {
   const known = /Last error: (?:Error[^:]*: )?(.*?)(?: \(\d{4}-[^)]*\))?\.? *Resolution note/s.exec(details);
-  return (known ? known[1] : details).replace(/\s+/g, " ").trim();
+  const cause = known ? known[1] : details;
+  return cause === "undefined" ? "the cause is not known" : cause.replace(/\s+/g, " ").trim();
 }
 
 /** Connects within REACH_MS: one channel, with a stub for each service. */

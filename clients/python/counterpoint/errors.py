@@ -39,13 +39,17 @@ class Refused(Exception):
         fields: Optional[List[FieldError]] = None,
         details: Optional[Dict[str, str]] = None,
     ) -> None:
-        super().__init__(f"{message} ({reason or code.name})")
+        # All of them, so that the exception can be sent to another process.
+        super().__init__(reason, code, message, retry_after, fields, details)
         self.reason = reason
         self.code = code
         self.message = message
         self.retry_after = retry_after
         self.fields = fields or []
         self.details = details or {}
+
+    def __str__(self) -> str:
+        return f"{self.message} ({self.reason or self.code.name})"
 
 
 class UnknownMachine(Refused, LookupError):

@@ -1,5 +1,6 @@
 """The reason why a connection fails, in words: gRPC shows it only in its own log."""
 
+import os
 import socket
 import ssl
 from typing import Optional
@@ -10,10 +11,21 @@ from .settings import CA, CERTIFICATE, KEY, Settings
 PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])
 #: Kind of the first frame of a server.
 SETTINGS = 4
+#: Variables that make gRPC use a proxy, unless no_proxy names the host.
+PROXIES = ("grpc_proxy", "https_proxy", "http_proxy")
 
 
 def why(settings: Settings, timeout: float) -> Optional[str]:
-    """Tries the connection without gRPC; None if it succeeds. timeout: of each step, s."""
+    """The cause of a failure; None if it is not known. timeout: of each step, s."""
+    cause = _why_direct(settings, timeout)
+    proxy = next((name for name in PROXIES if os.environ.get(name)), None)
+    if cause is None and proxy:
+        return f"{settings.url} answers, but not through the proxy of {proxy}: add {settings.host} to no_proxy"
+    return cause
+
+
+def _why_direct(settings: Settings, timeout: float) -> Optional[str]:
+    """Tries the connection without gRPC and without a proxy; None if it succeeds."""
     absent = f"no server answers at {settings.url}"
     advice = "check the address, or start counterpointd"
     try:

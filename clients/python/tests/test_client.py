@@ -4,6 +4,7 @@ import contextlib
 import datetime
 import os
 import pathlib
+import pickle
 import tempfile
 import time
 import unittest
@@ -79,6 +80,7 @@ class Against(unittest.TestCase):
                 follow(job)
             status = raised.exception.status
             self.assertEqual((status and status.job_id, status and status.error), (job, str(raised.exception)))
+            self.assertEqual(pickle.loads(pickle.dumps(raised.exception)).status, status)
 
     def test_a_watch_of_a_job_that_is_paused_and_cancelled_ends_with_the_job(self) -> None:
         job = self.endless()

@@ -1,8 +1,11 @@
 """Calls that a server answers with UNAVAILABLE, against a server in this process."""
 
+import os
+import pickle
 import unittest
 from concurrent import futures
 from typing import Iterator, List
+from unittest import mock
 
 import grpc
 from google.protobuf import any_pb2
@@ -113,6 +116,8 @@ class Repeats(unittest.TestCase):
         self.assertEqual((refusal.reason, refusal.code), ("DRAINING", grpc.StatusCode.UNAVAILABLE))
         self.assertEqual((refusal.message, refusal.details), ("not now", {"cursor": "7"}))
         self.assertEqual(str(refusal), "not now (DRAINING)")
+        copy = pickle.loads(pickle.dumps(refusal))
+        self.assertEqual((str(copy), copy.code, copy.details), (str(refusal), refusal.code, refusal.details))
 
     def test_a_refusal_has_the_time_to_wait(self) -> None:
         with self.assertRaises(Refused) as raised:
@@ -124,6 +129,11 @@ class Repeats(unittest.TestCase):
         self.server.stop(None).wait()
         with self.assertRaisesRegex(Unreachable, f"no server answers at http://{self.address} .*: check the address"):
             client.status("job")
+
+    def test_a_proxy_without_an_answer_is_named(self) -> None:
+        with mock.patch.dict(os.environ, {"http_proxy": "http://127.0.0.1:9", "no_proxy": ""}):
+            with self.assertRaisesRegex(Unreachable, "not through the proxy of http_proxy: add 127.0.0.1 to no_proxy"):
+                Client(f"http://{self.address}", token="", reach=0.5)
 
     def test_a_broken_watch_continues_at_its_cursor_without_an_event_twice(self) -> None:
         self.service.refusals = 1
