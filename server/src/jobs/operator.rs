@@ -1,8 +1,9 @@
 //! The desk of a job: dialogs that wait for the operator.
 //!
 //! Invariants: a question is answered once, by the first client; answers of an earlier run are answered again in the
-//! same order, so a job that is run again gives the same log; no question outlives the run, and none waits longer than
-//! the patience of the server.
+//! same order, so a job that is run again gives the same log; a question has the same id in every run, so an answer that
+//! is repeated reaches no other question; no question outlives the run, and none waits longer than the patience of the
+//! server.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -31,7 +32,8 @@ struct Inner {
     /// Answers of runs before, by channel.
     recorded: HashMap<u16, VecDeque<Option<Answer>>>,
     open: BTreeMap<u64, Open>,
-    last_id: u64,
+    /// Questions of the run so far, by channel.
+    asked: HashMap<u16, u64>,
     patience: Duration,
     closed: bool,
 }
@@ -47,6 +49,17 @@ struct Open {
     answer: Option<Option<Answer>>,
 }
 
+impl Inner {
+    /// The id of the next question of a channel: its number there, with the channel in the upper half, where channel 1
+    /// is 0 and the master is 1.
+    fn next_id(&mut self, channel: u16) -> u64 {
+        let asked = self.asked.entry(channel).or_default();
+        *asked += 1;
+        let upper = if channel < 2 { 1 - channel } else { channel };
+        u64::from(upper) << 32 | *asked
+    }
+}
+
 impl Desk {
     /// Creates an empty desk.
     pub(crate) fn new() -> Self {
@@ -55,9 +68,7 @@ impl Desk {
 
     /// The job will be run again from its start.
     pub(crate) fn begin_again(&self) {
-        let mut inner = lock(&self.inner);
-        *inner = Inner { last_id: inner.last_id, ..Inner::default() };
-        drop(inner);
+        *lock(&self.inner) = Inner::default();
         self.tell();
     }
 
@@ -126,6 +137,7 @@ impl Desk {
 impl Operator for Desk {
     fn ask(&self, question: &Question<'_>) -> Option<Answer> {
         let mut inner = lock(&self.inner);
+        let id = inner.next_id(question.channel);
         let recorded = inner.recorded.get_mut(&question.channel).and_then(VecDeque::pop_front);
         if let Some(answer) = recorded {
             return answer;
@@ -134,8 +146,6 @@ impl Operator for Desk {
         if inner.closed {
             return None;
         }
-        inner.last_id += 1;
-        let id = inner.last_id;
         let open = Open { channel: question.channel, question: wire(id, question), claimed: false, answer: None };
         inner.open.insert(id, open);
         let until = Instant::now() + inner.patience;
@@ -259,15 +269,17 @@ mod tests {
             std::thread::yield_now();
         }
         let question = desk.questions().remove(0);
-        assert_eq!((question.channel, question.line, question.id), (2, 3, 1));
-        assert_eq!(desk.claim(1), Some((2, "D".into())));
-        assert_eq!(desk.claim(1), None, "it is somebody's already");
+        let id = question.id;
+        assert_eq!((question.channel, question.line, id), (2, 3, (2 << 32) + 1));
+        assert_eq!(desk.claim(1), None, "that is a question of channel 1");
+        assert_eq!(desk.claim(id), Some((2, "D".into())));
+        assert_eq!(desk.claim(id), None, "another client has taken it");
         assert_eq!(desk.asking(), 1);
         assert!(desk.questions().is_empty());
-        desk.answer(1, Some(answer("D")));
+        desk.answer(id, Some(answer("D")));
         assert_eq!(kernel.join().unwrap(), Some(answer("D")));
         assert_eq!(desk.asking(), 0);
-        assert_eq!(desk.claim(1), None);
+        assert_eq!(desk.claim(id), None);
         assert_eq!(*changes.borrow(), 3, "asked, claimed, closed");
     }
 
@@ -279,6 +291,29 @@ mod tests {
         assert_eq!(ask(&desk, 2), None);
         assert_eq!(ask(&desk, 1), Some(answer("B")));
         assert!(desk.questions().is_empty());
+    }
+
+    #[test]
+    fn a_question_has_the_same_id_in_every_run() {
+        let desk = Arc::new(Desk::new());
+        for earlier in 0..3 {
+            desk.begin_again();
+            desk.set_patience(Duration::from_secs(60));
+            desk.record(vec![(1, Some(answer("D"))); earlier]);
+            let kernel = std::thread::spawn({
+                let desk = desk.clone();
+                move || (0..=earlier).map(|_| ask(&desk, 1)).collect::<Vec<_>>()
+            });
+            while desk.questions().is_empty() {
+                std::thread::yield_now();
+            }
+            // The answer to the last question of the run before, once more.
+            assert_eq!(desk.claim(earlier as u64), None);
+            let next = earlier as u64 + 1;
+            assert_eq!(desk.claim(next), Some((1, "D".into())));
+            desk.answer(next, Some(answer("D")));
+            assert_eq!(kernel.join().unwrap(), vec![Some(answer("D")); earlier + 1]);
+        }
     }
 
     #[test]
