@@ -26,10 +26,6 @@ use crate::metrics::Metrics;
 use crate::reason::Refusal;
 
 const GROUP: usize = 256;
-/// After a group of this many operations the next one is collected for a moment: a commit costs as much as several
-/// operations, and so many callers will not miss the time.
-const CROWD: usize = 4;
-const MOMENT: Duration = Duration::from_micros(200);
 /// Most bytes of the ledger that are kept in memory; the system keeps more of them.
 const CACHE: usize = 32 << 20;
 /// First and longest pause between attempts to open the file again.
@@ -217,11 +213,7 @@ pub(super) fn write(shared: &Shared, store: &Store, mut queue: mpsc::Receiver<Op
     let mut paces = Paces::default();
     // Its timer; without one there are no pauses.
     let timer = tokio::runtime::Builder::new_current_thread().enable_time().build().ok();
-    let mut crowded = false;
     while let Some(first) = queue.blocking_recv() {
-        if crowded {
-            std::thread::sleep(MOMENT);
-        }
         let mut group = Vec::new();
         let mut wait = add(&mut group, first, &mut paces);
         while group.len() < GROUP {
@@ -237,7 +229,6 @@ pub(super) fn write(shared: &Shared, store: &Store, mut queue: mpsc::Receiver<Op
             };
             wait &= add(&mut group, next, &mut paces);
         }
-        crowded = group.len() >= CROWD;
         let Some(database) = shared.current() else { continue };
         let begin = Instant::now();
         let done = commit(&database, group);
