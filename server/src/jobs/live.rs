@@ -17,7 +17,7 @@ use super::board::late;
 use super::limits::{RunLimits, Stopped};
 use super::operator::Desk;
 use super::step::Stepping;
-use crate::ledger::record::{Reached, Record, State, now_ms};
+use crate::ledger::record::{Reached, Record, State, Work, now_ms};
 use crate::log::kept::Kept;
 use crate::log::tail::Tail;
 use crate::log::writer::Writer;
@@ -48,6 +48,8 @@ pub(crate) struct Live {
     /// Its part of the memory budget, until it has ended.
     taken: Mutex<Option<Taken>>,
     pub(crate) id: String,
+    /// Its work for the first run, if that is small; otherwise a run reads it from the ledger.
+    work: Mutex<Option<Work>>,
     record: Mutex<Record>,
     state: watch::Sender<State>,
     cancel: AtomicBool,
@@ -85,6 +87,7 @@ impl Live {
         Self {
             taken: Mutex::new(taken),
             id: record.id.clone(),
+            work: Mutex::default(),
             state: watch::Sender::new(record.state),
             cancel: AtomicBool::new(record.cancel),
             stop: Mutex::default(),
@@ -99,6 +102,17 @@ impl Live {
             promised: AtomicBool::new(false),
             holding: tokio::sync::Mutex::default(),
         }
+    }
+
+    /// Keeps the small work of a job that has just been accepted.
+    pub(super) fn with_work(mut self, work: Option<Work>) -> Self {
+        self.work = Mutex::new(work);
+        self
+    }
+
+    /// The work that was kept, once.
+    pub(super) fn take_work(&self) -> Option<Work> {
+        lock(&self.work).take()
     }
 
     pub(crate) fn record(&self) -> Record {

@@ -221,11 +221,12 @@ impl Core {
         self.within_quotas(&record.tenant)?;
         let place = self.reserve(&record.tenant)?;
         let core = Arc::downgrade(self);
+        let kept = work.is_small().then(|| work.clone());
         // Jobs enter the queue in the order in which the ledger accepted them.
         let accepted = move |record: &Record| {
             drop(place);
             if let Some(core) = core.upgrade() {
-                core.admit(core.in_memory(record.clone()));
+                core.admit(core.accepted(record.clone(), kept));
             }
         };
         let (blobs, tenant) = (self.blobs.clone(), record.tenant.clone());
@@ -278,8 +279,14 @@ impl Core {
 
     /// A job that is in memory from now on.
     fn in_memory(&self, record: Record) -> Arc<Live> {
-        let taken = self.board.memory.count(record.bytes());
-        Arc::new(Live::counted(record, Some(taken)))
+        self.accepted(record, None)
+    }
+
+    /// Same, with its work if that is small.
+    fn accepted(&self, record: Record, work: Option<Work>) -> Arc<Live> {
+        let bytes = record.bytes() + work.as_ref().map_or(0, |_| Work::SMALL);
+        let taken = self.board.memory.count(bytes);
+        Arc::new(Live::counted(record, Some(taken)).with_work(work))
     }
 
     fn take_up(&self, record: Record) {

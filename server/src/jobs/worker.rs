@@ -201,7 +201,7 @@ enum Ran {
 }
 
 fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
-    let work = core.work(&live.id)?;
+    let work = live.take_work().map_or_else(|| core.work(&live.id), Ok)?;
     // A run that takes the server down has left its mark.
     core.host.mark(&live.id, live.record().runs.attempt + 1)?;
     let record = live.change(|record| {

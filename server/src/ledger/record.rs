@@ -1,8 +1,9 @@
 //! A job as the ledger keeps it: its [`Record`], which a status needs and which stays in memory while the job has not
 //! ended, and its [`Work`], which only a run needs.
 //!
-//! Invariants: the memory that a job takes while it waits does not depend on its `Work`; states only go forward (QUEUED → RUNNING → one of the three ends), except for a run that died or was
-//! interrupted by a shutdown: RUNNING → QUEUED.
+//! Invariants: the memory that a job takes while it waits does not depend on its `Work`, unless that is small; states
+//! only go forward (QUEUED → RUNNING → one of the three ends), except for a run that died or was interrupted by a
+//! shutdown: RUNNING → QUEUED.
 
 use std::collections::BTreeMap;
 
@@ -258,6 +259,22 @@ pub(crate) struct Work {
     pub(crate) answers: Vec<(u16, Option<Answer>)>,
 }
 
+impl Work {
+    /// Most bytes of a work that stays in memory until the first run.
+    pub(crate) const SMALL: u64 = 1024;
+
+    /// Whether it stays in memory: a few files, and neither answers nor parameters.
+    pub(crate) fn is_small(&self) -> bool {
+        const FILE: usize = 128;
+        let own = self.files.iter().map(|(path, digest)| FILE + path.len() + digest.len());
+        let machine = self.machine.files.iter().map(|(path, digest)| FILE + path.len() + digest.len());
+        let Options { answers, parameters, warnings_off, warnings_on, ignore_waits, .. } = &self.options;
+        let lists = warnings_off.len() + warnings_on.len() + ignore_waits.len();
+        let plain = answers.is_empty() && parameters.is_empty() && lists == 0 && self.answers.is_empty();
+        plain && (own.chain(machine).sum::<usize>() as u64) <= Self::SMALL
+    }
+}
+
 /// A job without its `Work`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
@@ -421,6 +438,17 @@ pub(crate) mod tests {
     pub(crate) fn work() -> Work {
         let machine = Definition::shipped("fanuc-mill");
         Work { machine, files: Vec::new(), options: Options::default(), answers: Vec::new() }
+    }
+
+    #[test]
+    fn only_a_small_work_stays_in_memory() {
+        let file = |n: usize| (format!("sub/{n}.nc"), "0".repeat(64));
+        let with = |files: usize| Work { files: (0..files).map(file).collect(), ..work() };
+        assert!(work().is_small() && with(4).is_small() && !with(6).is_small());
+        let answers = vec![Answer::default()];
+        assert!(!Work { options: Options { answers, ..Options::default() }, ..work() }.is_small());
+        let parameters = "-A".to_owned();
+        assert!(!Work { options: Options { parameters, ..Options::default() }, ..work() }.is_small());
     }
 
     #[test]
