@@ -79,8 +79,12 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
                 "TimeoutStopSec",
                 "Restart",
                 "RestartSec",
-                "DynamicUser",
+                "User",
+                "Group",
                 "StateDirectory",
+                "StateDirectoryMode",
+                "LogsDirectory",
+                "LogsDirectoryMode",
                 "Environment",
                 "LimitNOFILE",
                 "MemoryMax",
@@ -130,6 +134,12 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
     let seconds = |name: &str| value(name).unwrap().parse::<u64>().unwrap();
     assert!(seconds("TimeoutStopSec") > Options::default().grace_s, "a stop gets longer than running jobs do");
     assert!(seconds("WatchdogSec") >= 30);
+    assert_eq!((value("User"), value("Group")), (Some("counterpoint"), Some("counterpoint")));
+    assert_eq!((value("StateDirectory"), value("LogsDirectory")), (Some("counterpoint"), Some("counterpoint")));
+    let docs = read("docs/security.md");
+    for file in ["data = \"/var/lib/counterpoint\"", "audit = \"/var/log/counterpoint/", "-g counterpoint key.pem"] {
+        assert!(docs.contains(file), "the documented files are where the unit may use them: {file}");
+    }
     assert!(value("RestrictAddressFamilies").unwrap().contains("AF_UNIX"), "signs of life go over a local socket");
 }
 

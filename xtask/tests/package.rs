@@ -74,9 +74,11 @@ fn the_debian_package_installs_runs_and_keeps_the_data() {
         mount --bind /dev \"$1\"/tree/dev; mount -t proc proc \"$1\"/tree/proc; mount -t tmpfs tmpfs \"$1\"/tree/run
         mkdir -p \"$1\"/tree/tmp; mount -t tmpfs tmpfs \"$1\"/tree/tmp
         cp \"$2\" \"$1\"/tree/tmp/counterpoint.deb; cp \"$3\" \"$1\"/tree/tmp/inside.sh
+        cp \"$4\" \"$1\"/tree/tmp/security.md
         command -v dpkg >/dev/null; chroot \"$1\"/tree true; echo ready",
     );
     inside.arg("sh").arg(&layers).arg(&made[1]).arg(root().join("xtask/tests/installed.sh"));
+    inside.arg(root().join("docs/security.md"));
     let probe = inside.output();
     let ready = |output: &Output| output.status.success() && String::from_utf8_lossy(&output.stdout).contains("ready");
     match probe {
@@ -90,8 +92,8 @@ fn the_debian_package_installs_runs_and_keeps_the_data() {
     let mut whole = Command::new("unshare");
     whole.args(&script[..7]).arg(format!("{}; chroot \"$1\"/tree sh -e /tmp/inside.sh", script[7]));
     let text = done(whole.args(&script[8..]));
-    for part in ["installed", "ran a job", "kept on remove", "kept on purge", "removed as asked", "removed when empty"]
-    {
+    let parts = ["installed", "ran a job", "guarded", "kept on remove", "kept on purge"];
+    for part in parts.into_iter().chain(["removed as asked", "removed when empty"]) {
         assert!(text.contains(&format!("ok: {part}")), "{part}: {text}");
     }
 }

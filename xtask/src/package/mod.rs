@@ -36,12 +36,8 @@ const COMPLETIONS: [(&str, &str); 3] = [
     ("zsh", "zsh/vendor-completions/_counterpoint"),
     ("fish", "fish/vendor_completions.d/counterpoint.fish"),
 ];
-/// Lines of the unit, and their replacements in a package: a package has its own user, which owns the data folder even
-/// while the server is stopped.
-const UNIT: [(&str, &str); 2] = [
-    ("/usr/local/bin/", "/usr/bin/"),
-    ("DynamicUser=yes\n", "User=counterpoint\nGroup=counterpoint\nStateDirectoryMode=0700\n"),
-];
+/// Folder of the programs in the unit of the repository, and in a package.
+const PROGRAMS: (&str, &str) = ("/usr/local/bin/", "/usr/bin/");
 
 fn read(path: &Path) -> Result<Vec<u8>, String> {
     std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))
@@ -60,12 +56,13 @@ fn printed(program: &Path, arguments: &[&str]) -> Result<Vec<u8>, String> {
     }
 }
 
-/// The unit with the paths and the user of a package.
+/// The unit with the paths of a package.
 fn unit(text: &str) -> Result<String, String> {
-    UNIT.iter().try_fold(text.to_owned(), |text, (from, to)| match text.contains(from) {
+    let (from, to) = PROGRAMS;
+    match text.contains(from) {
         true => Ok(text.replace(from, to)),
-        false => Err(format!("deploy/counterpointd.service no longer contains '{}'", from.trim())),
-    })
+        false => Err(format!("deploy/counterpointd.service no longer contains '{from}'")),
+    }
 }
 
 /// SOURCE_DATE_EPOCH, or else the time of the last commit, in seconds since 1970.
@@ -137,11 +134,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_unit_of_a_package_has_its_paths_and_its_user() {
+    fn the_unit_of_a_package_has_its_paths() {
         let text = include_str!("../../../deploy/counterpointd.service");
         let unit = unit(text).unwrap();
         assert!(unit.contains("ExecStart=/usr/bin/counterpointd --config /etc/counterpoint/counterpointd.toml"));
-        assert!(unit.contains("\nUser=counterpoint\n") && !unit.contains("DynamicUser"), "{unit}");
         assert!(super::unit("[Service]\n").is_err_and(|error| error.contains("/usr/local/bin/")));
     }
 }
