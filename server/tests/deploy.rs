@@ -85,7 +85,6 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
                 "StateDirectoryMode",
                 "LogsDirectory",
                 "LogsDirectoryMode",
-                "Environment",
                 "LimitNOFILE",
                 "MemoryMax",
                 "NoNewPrivileges",
@@ -137,6 +136,8 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
     assert_eq!((value("User"), value("Group")), (Some("counterpoint"), Some("counterpoint")));
     assert_eq!((value("StateDirectory"), value("LogsDirectory")), (Some("counterpoint"), Some("counterpoint")));
     let docs = read("docs/security.md");
+    let shipped = Options::from_file(&root().join("deploy/debian/counterpointd.toml")).unwrap();
+    assert_eq!(shipped.data, PathBuf::from("/var/lib/counterpoint"));
     for file in ["data = \"/var/lib/counterpoint\"", "audit = \"/var/log/counterpoint/", "-g counterpoint key.pem"] {
         assert!(docs.contains(file), "the documented files are where the unit may use them: {file}");
     }
@@ -167,10 +168,15 @@ fn the_container_file_builds_what_is_there_as_nobody() {
     assert!(of("FROM")[0].contains(&format!("rust:{minor}-")), "the compiler is that of rust-toolchain.toml");
     let user = of("USER")[0];
     assert!(user.split(':').next().unwrap().parse::<u32>().is_ok_and(|id| id > 0), "{user}");
-    let options = Options::default().to_toml();
-    for pair in of("ENV")[0].split_whitespace() {
-        let name = pair.split_once('=').unwrap().0.strip_prefix("COUNTERPOINT_").unwrap().to_lowercase();
-        assert!(options.contains(&format!("{name} = ")), "no option {name}");
+    // A variable would override the same option of a mounted file.
+    let configuration = "/etc/counterpoint/counterpointd.toml";
+    assert_eq!(of("ENV"), [format!("COUNTERPOINT_CONFIG={configuration}")]);
+    assert!(of("COPY").contains(&format!("deploy/container.toml {configuration}").as_str()));
+    let options = Options::from_file(&root().join("deploy/container.toml")).unwrap();
+    assert_eq!(options.data.to_str(), Some(of("VOLUME")[0]));
+    for port in [options.listen.port().to_string(), options.connections.metrics.rsplit(':').next().unwrap().to_owned()]
+    {
+        assert!(of("EXPOSE")[0].split(' ').any(|exposed| exposed == port), "{port}");
     }
     let entry: Vec<String> = serde_json::from_str(of("ENTRYPOINT")[0]).unwrap();
     assert_eq!(entry, ["/usr/local/bin/counterpointd"]);

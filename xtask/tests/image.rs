@@ -60,8 +60,13 @@ fn steps(file: &str) -> String {
     script
 }
 
-/// COPY from the first stage: a folder has its contents copied, and a new target belongs to the user.
+/// COPY of a file of `deploy`, whose path is `$4`, or from the first stage: a folder has its contents copied, and a
+/// new target belongs to the user.
 fn copy(operands: &str) -> String {
+    if let Some(source) = operands.strip_prefix("deploy/") {
+        let (source, target) = source.split_once(' ').unwrap();
+        return format!("install -D -m 644 \"$4\"/{source} \"$tree\"{target}; ");
+    }
     let (options, paths): (Vec<_>, Vec<_>) = operands.split_whitespace().partition(|word| word.starts_with("--"));
     assert!(options.contains(&"--from=build"), "{operands}");
     let owner = options.iter().find_map(|option| option.strip_prefix("--chown=")).unwrap_or("0:0");
@@ -88,13 +93,18 @@ if inside $entry 2>"$1"/refusal; then exit 1; fi
 grep -q -e tls -e access "$1"/refusal || { cat "$1"/refusal; exit 1; }
 echo "ok: refuses strangers without identities"
 printf 'O1\nT0101\nG97 S1000 M3\nG0 X20. Z2.\nG1 Z-10. F0.2\nM30\n' > "$tree"/part.nc
-export COUNTERPOINT_LISTEN=127.0.0.1:0 COUNTERPOINT_METRICS=127.0.0.1:0
+# A configuration of the user replaces that of the image.
+cat > "$tree"/etc/counterpoint/counterpointd.toml <<END
+listen = "127.0.0.1:0"
+data = "/var/lib/counterpoint/own"
+END
 chroot --userspec="$user" "$tree" $entry > "$1"/address 2> "$1"/log &
 server=$!
 while ! grep -q listening "$1"/address; do kill -0 $server || { cat "$1"/log; exit 1; }; done
 address=$(sed -n 's|.*listening on \(http://[0-9.:]*\).*|\1|p' "$1"/address)
 job=$(inside "${entry%d}" submit --server "$address" --machine fanuc-lathe /part.nc)
 inside "${entry%d}" wait --server "$address" "$job"
+[ -e "$tree"/var/lib/counterpoint/own/ledger.redb ]
 echo "ok: runs a job"
 kill -TERM $server
 wait $server
@@ -133,7 +143,7 @@ fn the_steps_of_the_container_file_make_an_image_that_runs_jobs() {
     let run = |script: &str| {
         let mut command = Command::new("unshare");
         command.args(["--mount", "--pid", "--net", "--fork", "--kill-child", "sh", "-e", "-c", script, "sh"]);
-        command.arg(folder.path()).arg(&programs).arg(&libraries);
+        command.arg(folder.path()).arg(&programs).arg(&libraries).arg(root().join("deploy"));
         command
     };
     match run(STAGES).output() {
