@@ -224,18 +224,20 @@ impl Render<'_> {
             if action == "end" {
                 return (out, at);
             } else if let Some(condition) = action.strip_prefix("if ") {
-                let value = self.value(condition, own);
-                let truth =
-                    !matches!(value, Value::Null | Value::Bool(false)) && value != json!("") && value != json!({});
-                let (inner, next) = self.block(parts, at, own, on && truth);
+                let on = on && self.is_true(condition, own);
+                let (inner, next) = self.block(parts, at, own, on);
                 out += &inner;
                 at = next;
-            } else if let Some(list) = action.strip_prefix("range $key, $value := ") {
-                let map = self.value(list, own);
+            } else if let Some(range) = action.strip_prefix("range ") {
+                let (names, list) = range.split_once(" := ").expect("a range names its variables");
+                let (key_name, value_name) = names.split_once(", ").expect("a key and a value");
+                // A block that is not rendered has no values to read.
+                let map = if on { self.value(list, own) } else { json!({}) };
                 let mut next = self.block(parts, at, own, false).1;
                 for (key, value) in map.as_object().expect("a map") {
                     let key = json!(key);
-                    let (inner, end) = self.block(parts, at, &[("$key", &key), ("$value", value)], on);
+                    let inner_values = [own, &[(key_name, &key), (value_name, value)]].concat();
+                    let (inner, end) = self.block(parts, at, &inner_values, on);
                     out += &inner;
                     next = end;
                 }
@@ -249,6 +251,18 @@ impl Render<'_> {
             }
         }
         (out, at)
+    }
+
+    /// A condition, which may ask for the kind of a value.
+    fn is_true(&self, condition: &str, own: &[(&str, &Value)]) -> bool {
+        if let Some(inner) = condition.strip_prefix("not (").and_then(|inner| inner.strip_suffix(')')) {
+            return !self.is_true(inner, own);
+        }
+        if let Some(name) = condition.strip_prefix("kindIs \"map\" ") {
+            return self.value(name, own).is_object();
+        }
+        let value = self.value(condition, own);
+        !matches!(value, Value::Null | Value::Bool(false)) && value != json!("") && value != json!({})
     }
 
     fn value(&self, pipeline: &str, own: &[(&str, &Value)]) -> Value {
@@ -289,20 +303,73 @@ fn chart(change: impl FnOnce(&mut Value)) -> Vec<(String, Value)> {
     files.iter().filter_map(render).collect()
 }
 
+/// The options of the server in a rendered part, read as the server reads them.
+fn options(config: &Value) -> Options {
+    let text = config["data"]["counterpointd.toml"].as_str().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("counterpointd.toml");
+    std::fs::write(&file, text).unwrap();
+    Options::from_file(&file).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// A map in `config` is a table of the file, and single options precede all tables.
+#[test]
+fn the_server_reads_the_tables_of_the_chart() {
+    let parts = chart(|values| {
+        values["config"] = json!({
+            "allow_system": false,
+            "queue": 10_000_000,
+            "tenants": {"assembly": {"queued": 5000, "keep_s": 2_592_000}, "cells": {"running": 2}},
+            "tenant_queued": 500,
+            "webhooks": {"mes": {"url": "https://mes.example/?a=1&b=2", "secret_file": "/s", "tenants": ["a", "b"]}},
+        });
+    });
+    let options = options(&parts[0].1);
+    assert_eq!((options.queue, options.quotas.tenant_queued), (10_000_000, 500));
+    let tenants = &options.tables.tenants;
+    assert_eq!((tenants["assembly"].queued, tenants["assembly"].keep_s), (Some(5000), Some(2_592_000)));
+    assert_eq!((tenants["cells"].running, tenants["cells"].queued), (Some(2), None));
+    let hook = &options.tables.webhooks["mes"];
+    assert_eq!((hook.url.as_str(), hook.tenants.len()), ("https://mes.example/?a=1&b=2", 2));
+}
+
+/// Prometheus gets the job of the rules, and monitoring, which has no identities, stays inside the cluster.
+#[test]
+fn monitoring_has_the_job_of_the_rules_and_a_service_inside_the_cluster() {
+    let parts = chart(|values| {
+        values["metrics"]["serviceMonitor"] = json!(true);
+        values["service"]["type"] = json!("LoadBalancer");
+    });
+    let part = |name: &str| &parts.iter().find(|(of, _)| of == name).unwrap().1;
+    let ports = |name: &str| {
+        let ports = part(name)["spec"]["ports"].as_array().unwrap();
+        ports.iter().map(|port| port["name"].as_str().unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!((ports("service"), ports("metrics")), (vec!["grpc"], vec!["metrics"]));
+    assert_eq!(
+        (&part("service")["spec"]["type"], &part("metrics")["spec"]["type"]),
+        (&json!("LoadBalancer"), &json!("ClusterIP"))
+    );
+    let (monitor, labels) = (&part("servicemonitor")["spec"], &part("metrics")["metadata"]["labels"]);
+    let job = labels[monitor["jobLabel"].as_str().unwrap()].as_str().unwrap();
+    assert!(read("deploy/prometheus/rules.yaml").contains(&format!("up{{job=\"{job}\"}}")), "{job}");
+    for (name, value) in monitor["selector"]["matchLabels"].as_object().unwrap() {
+        assert_eq!(&labels[name], value, "{name}");
+    }
+    let others = &part("service")["metadata"]["labels"];
+    assert!(others["app.kubernetes.io/component"].is_null(), "the monitor selects one service: {others}");
+}
+
 #[test]
 fn the_chart_renders_and_its_parts_fit_together() {
     let head = yaml(&read("deploy/helm/counterpoint/Chart.yaml"));
     assert_eq!((&head["apiVersion"], &head["appVersion"]), (&json!("v2"), &json!(env!("CARGO_PKG_VERSION"))));
     let parts = chart(|_| {});
     let names: Vec<&str> = parts.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(names, ["config", "service", "statefulset"]);
+    assert_eq!(names, ["config", "metrics", "service", "statefulset"]);
     let part = |name: &str| &parts.iter().find(|(of, _)| of == name).unwrap().1;
     let (config, set, service) = (part("config"), part("statefulset"), part("service"));
-    let text = config["data"]["counterpointd.toml"].as_str().unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("counterpointd.toml");
-    std::fs::write(&file, text).unwrap();
-    let options = Options::from_file(&file).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let options = options(config);
     assert_eq!((options.grace_s, options.listen.port()), (60, 7878));
     let pod = &set["spec"]["template"]["spec"];
     assert!(pod["terminationGracePeriodSeconds"].as_u64().unwrap() > options.grace_s);
@@ -323,16 +390,18 @@ fn the_chart_renders_and_its_parts_fit_together() {
         assert!(mounts.iter().any(|mount| path.starts_with(mount["mountPath"].as_str().unwrap())), "{path:?}");
     }
     let ports: Vec<&Value> = container["ports"].as_array().unwrap().iter().map(|port| &port["name"]).collect();
-    for port in service["spec"]["ports"].as_array().unwrap() {
-        assert!(ports.contains(&&port["targetPort"]), "{port}");
+    for service in [service, part("metrics")] {
+        for port in service["spec"]["ports"].as_array().unwrap() {
+            assert!(ports.contains(&&port["targetPort"]), "{port}");
+        }
+        assert_eq!(service["spec"]["selector"], set["spec"]["selector"]["matchLabels"]);
     }
-    assert_eq!(service["spec"]["selector"], set["spec"]["selector"]["matchLabels"]);
     assert_eq!(container["readinessProbe"]["httpGet"]["path"], "/readyz");
     let all = chart(|values| {
         values["metrics"]["serviceMonitor"] = json!(true);
         values["storage"]["className"] = json!("fast");
     });
-    assert_eq!(all.len(), 4);
+    assert_eq!(all.len(), 5);
     let set = &all.iter().find(|(name, _)| name == "statefulset").unwrap().1;
     assert_eq!(set["spec"]["volumeClaimTemplates"][0]["spec"]["storageClassName"], "fast");
 }

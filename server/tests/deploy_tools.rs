@@ -43,8 +43,8 @@ fn helm_accepts_the_chart_and_renders_it_with_and_without_the_monitor() {
     assert!(linted.is_none_or(|text| text.contains("0 chart(s) failed")));
     let monitor = ["--set", "metrics.serviceMonitor=true", "--api-versions", "monitoring.coreos.com/v1"];
     for (more, kinds) in [
-        (&[][..], &["ConfigMap", "Service", "StatefulSet"][..]),
-        (&monitor[..], &["ConfigMap", "Service", "ServiceMonitor", "StatefulSet"][..]),
+        (&[][..], &["ConfigMap", "Service", "Service", "StatefulSet"][..]),
+        (&monitor[..], &["ConfigMap", "Service", "Service", "ServiceMonitor", "StatefulSet"][..]),
     ] {
         let Some(text) = output(&tool, &[&["template", "counterpoint"][..], &image, more].concat(), &chart) else {
             return;
