@@ -147,7 +147,8 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             logging::end(format, &error);
-            ExitCode::from(3)
+            let error: Option<&service::Error> = error.downcast_ref();
+            ExitCode::from(if error.is_some_and(service::Error::is_of_configuration) { 2 } else { 3 })
         }
     }
 }

@@ -77,6 +77,14 @@ pub enum Error {
     Reflection(#[from] tonic_reflection::server::Error),
 }
 
+impl Error {
+    /// Whether the configuration must be corrected: the same start fails again.
+    #[must_use]
+    pub fn is_of_configuration(&self) -> bool {
+        matches!(self, Self::Metrics(_) | Self::Spans(_) | Self::Webhooks(_) | Self::Guard(_))
+    }
+}
+
 /// A server that is bound and recovered, not yet serving.
 #[derive(Debug)]
 pub struct Service {

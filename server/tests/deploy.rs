@@ -67,7 +67,7 @@ fn check_query(query: &str) {
 #[test]
 fn the_unit_has_known_keys_and_waits_for_the_server() {
     let known = [
-        ("Unit", &["Description", "After", "Wants"][..]),
+        ("Unit", &["Description", "After", "Wants", "StartLimitIntervalSec", "StartLimitBurst"][..]),
         (
             "Service",
             &[
@@ -79,6 +79,7 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
                 "TimeoutStopSec",
                 "Restart",
                 "RestartSec",
+                "RestartPreventExitStatus",
                 "User",
                 "Group",
                 "StateDirectory",
@@ -133,6 +134,9 @@ fn the_unit_has_known_keys_and_waits_for_the_server() {
     let seconds = |name: &str| value(name).unwrap().parse::<u64>().unwrap();
     assert!(seconds("TimeoutStopSec") > Options::default().grace_s, "a stop gets longer than running jobs do");
     assert!(seconds("WatchdogSec") >= 30);
+    assert_eq!(value("RestartPreventExitStatus"), Some("2"), "a mistake in the configuration ends the restarts");
+    let limit = seconds("StartLimitBurst") * (seconds("RestartSec") + 1);
+    assert!(limit < seconds("StartLimitIntervalSec"), "a start that fails within a second reaches the limit");
     assert_eq!((value("User"), value("Group")), (Some("counterpoint"), Some("counterpoint")));
     assert_eq!((value("StateDirectory"), value("LogsDirectory")), (Some("counterpoint"), Some("counterpoint")));
     let docs = read("docs/security.md");

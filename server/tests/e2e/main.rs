@@ -74,6 +74,7 @@ mod slices;
 #[cfg(target_os = "linux")]
 mod stalled;
 mod standing;
+mod start;
 mod step;
 mod storage;
 mod submit;
