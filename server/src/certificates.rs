@@ -8,9 +8,17 @@ use rustls::pki_types::pem::PemObject as _;
 
 /// The certificates of a PEM file, at least one. The error names the file.
 pub(crate) fn read(path: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
-    let found = CertificateDer::pem_file_iter(path).map_err(|error| wrong(path, error))?;
-    let found: Vec<_> = found.collect::<Result<_, _>>().map_err(|error| wrong(path, error))?;
-    if found.is_empty() { Err(wrong(path, "there is no certificate in it")) } else { Ok(found) }
+    let text = std::fs::read(path).map_err(|error| wrong(path, error))?;
+    parse(&text).map_err(|error| wrong(path, error))
+}
+
+/// The certificates of a PEM text, at least one.
+pub(crate) fn parse(text: &[u8]) -> Result<Vec<CertificateDer<'static>>, String> {
+    let found: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(text).collect();
+    match found {
+        Ok(found) if found.is_empty() => Err("there is no certificate in it".to_owned()),
+        found => found.map_err(|error| error.to_string()),
+    }
 }
 
 /// An error about a file.

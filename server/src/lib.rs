@@ -25,6 +25,7 @@ mod memory;
 mod metrics;
 mod net;
 pub mod notify;
+mod option_file;
 pub mod options;
 pub mod output;
 mod pace;

@@ -10,6 +10,7 @@ use serde::Deserialize;
 
 use super::jwt::Key;
 use super::{Identity, Role, token};
+use crate::option_file::OptionFile;
 use crate::tenant::{self, is_tenant};
 
 #[derive(Debug, Deserialize)]
@@ -75,8 +76,9 @@ pub(super) struct Known {
 
 impl Known {
     pub(super) fn read(path: &Path) -> Result<Self, String> {
-        let text = std::fs::read_to_string(path).map_err(|error| format!("'{}': {error}", path.display()))?;
-        Self::parse(&text).map_err(|error| format!("'{}': {error}", path.display()))
+        let file = OptionFile::new("access", path);
+        let text = String::from_utf8(file.read()?).map_err(|error| file.wrong(error))?;
+        Self::parse(&text).map_err(|error| file.wrong(error))
     }
 
     pub(super) fn parse(text: &str) -> Result<Self, String> {

@@ -9,7 +9,7 @@ use std::pin::Pin;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::task::{Context, Poll};
 
-use rustls::pki_types::pem::PemObject as _;
+use rustls::pki_types::pem::{self, PemObject as _};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::server::WebPkiClientVerifier;
 use rustls::{RootCertStore, ServerConfig};
@@ -20,7 +20,8 @@ use tokio_rustls::server::TlsStream;
 
 use super::PREFACE;
 use crate::access::CertificateNames;
-use crate::certificates::{self, wrong};
+use crate::certificates;
+use crate::option_file::OptionFile;
 use crate::options::Guard;
 
 /// Certificates of the server.
@@ -37,6 +38,9 @@ impl Tls {
         if !set(&options.tls_cert) {
             let stray = set(&options.tls_key) || set(&options.tls_client_ca);
             return if stray { Err("tls_key and tls_client_ca need tls_cert".to_owned()) } else { Ok(None) };
+        }
+        if !set(&options.tls_key) {
+            return Err("tls_key is missing: tls_cert needs the file with the key of the certificate, PEM".to_owned());
         }
         Ok(Some(Self { config: RwLock::new(Arc::new(config(options)?)), options: options.clone() }))
     }
@@ -69,16 +73,22 @@ fn config(options: &Guard) -> Result<ServerConfig, String> {
     let builder = if options.tls_client_ca.as_os_str().is_empty() {
         builder.with_no_client_auth()
     } else {
+        let file = OptionFile::new("tls_client_ca", &options.tls_client_ca);
         let mut roots = RootCertStore::empty();
-        for certificate in certificates::read(&options.tls_client_ca)? {
-            roots.add(certificate).map_err(|error| wrong(&options.tls_client_ca, error))?;
+        for certificate in certificates::parse(&file.read()?).map_err(|error| file.wrong(error))? {
+            roots.add(certificate).map_err(|error| file.wrong(error))?;
         }
         let verifier = WebPkiClientVerifier::builder_with_provider(Arc::new(roots), provider).build();
-        builder.with_client_cert_verifier(verifier.map_err(|error| wrong(&options.tls_client_ca, error))?)
+        builder.with_client_cert_verifier(verifier.map_err(|error| file.wrong(error))?)
     };
-    let key = PrivateKeyDer::from_pem_file(&options.tls_key).map_err(|error| wrong(&options.tls_key, error))?;
-    let chain = certificates::read(&options.tls_cert)?;
-    let mut config = builder.with_single_cert(chain, key).map_err(|error| wrong(&options.tls_cert, error))?;
+    let file = OptionFile::new("tls_key", &options.tls_key);
+    let key = PrivateKeyDer::from_pem_slice(&file.read()?).map_err(|error| match error {
+        pem::Error::NoItemsFound => file.wrong("there is no key in it"),
+        error => file.wrong(error),
+    })?;
+    let file = OptionFile::new("tls_cert", &options.tls_cert);
+    let chain = certificates::parse(&file.read()?).map_err(|error| file.wrong(error))?;
+    let mut config = builder.with_single_cert(chain, key).map_err(|error| file.wrong(error))?;
     config.alpn_protocols = vec![b"h2".to_vec()];
     if options.grpc_web {
         config.alpn_protocols.push(b"http/1.1".to_vec());

@@ -35,3 +35,56 @@ fn a_mistake_in_the_configuration_and_trouble_of_the_system_have_different_exit_
         assert_eq!(code, Some(3), "{data} {trouble:?}: {text}");
     }
 }
+
+#[test]
+fn a_refused_start_names_the_option_the_file_and_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    let (file, none) = (folder.path().join("file"), folder.path().join("none"));
+    std::fs::write(&file, "quue = 3\n").unwrap();
+    let (file, none) = (file.to_str().unwrap(), none.to_str().unwrap());
+    let (code, text) = refused(&data, &["--tls-cert", file]);
+    assert!(code == Some(2) && text.contains("tls_key is missing"), "{text}");
+    for (option, path, more) in [
+        ("access", file, "quue"),
+        ("access", none, "No such file"),
+        ("tls_key", file, "there is no key in it"),
+        ("tls_key", none, "No such file"),
+    ] {
+        let flag = format!("--{}", option.replace('_', "-"));
+        let certificate = ["--tls-cert", file];
+        let certificate = if option == "tls_key" { &certificate[..] } else { &[] };
+        let (code, text) = refused(&data, &[certificate, &[flag.as_str(), path]].concat());
+        assert_eq!(code, Some(2), "{text}");
+        let named = text.contains(&format!("'{path}' (option {option})"));
+        assert!(named && text.contains(more), "{option} {path}: {text}");
+    }
+}
+
+/// A file of root, in a folder that others may enter, as the user of the server sees it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_that_the_user_of_the_server_cannot_read_is_reported_with_that_user() {
+    use std::os::unix::fs::PermissionsExt as _;
+    use std::os::unix::process::CommandExt as _;
+    if !rustix::process::getuid().is_root() {
+        println!("skipped: only root can start a server as another user");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let mode = |path: &Path, mode| std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).unwrap();
+    mode(folder.path(), 0o755);
+    let file = folder.path().join("secret");
+    std::fs::write(&file, "").unwrap();
+    mode(&file, 0o600);
+    for (option, more) in [("access", &[][..]), ("tls-key", &["--tls-cert", "cert.pem"])] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+        command.args(["--listen", "127.0.0.1:0", "--data", "/nowhere"]).arg(format!("--{option}")).arg(&file);
+        let output = command.args(more).uid(65_534).gid(65_534).output().unwrap();
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        let option = option.replace('-', "_");
+        assert!(text.contains(&format!("(option {option}): Permission denied")), "{text}");
+        assert!(text.contains("the user of the server (uid 65534) must be able to read the file"), "{text}");
+    }
+}
