@@ -20,7 +20,9 @@ const RELOAD: &str = "a running server reads the file on SIGHUP (systemctl reloa
 /// Commands for tokens.
 #[derive(Debug, clap::Subcommand)]
 pub enum TokenCommand {
-    /// Print a new token, and add its row to the file of identities, or print the row if there is no such file
+    /// Print a new token and add its row to the file of identities, which is created if it does not exist
+    ///
+    /// If neither --access nor the configuration names a file, the row is printed after the token.
     New {
         /// Tenant of the caller
         #[arg(long)]
