@@ -18,7 +18,7 @@ use counterpoint_server::{logging, service, start_threads};
 #[command(name = "counterpointd", version)]
 struct Arguments {
     /// Configuration file; flags and environment override it
-    #[arg(long, env = "COUNTERPOINT_CONFIG", value_name = "FILE.toml")]
+    #[arg(long, global = true, env = "COUNTERPOINT_CONFIG", value_name = "FILE.toml")]
     config: Option<PathBuf>,
     /// Print the resulting configuration and exit
     #[arg(long)]

@@ -88,3 +88,39 @@ fn a_file_that_the_user_of_the_server_cannot_read_is_reported_with_that_user() {
         assert!(text.contains("the user of the server (uid 65534) must be able to read the file"), "{text}");
     }
 }
+
+/// Standard output and standard error of a command that must succeed.
+fn done(arguments: &[&str]) -> (String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_counterpointd")).args(arguments).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    let (out, log) = (text(output.stdout), text(output.stderr));
+    assert!(output.status.success(), "{arguments:?}: {out}{log}");
+    (out, log)
+}
+
+#[test]
+fn commands_take_the_configuration_before_and_after_their_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (config, access) = (path("c.toml"), path("access.toml"));
+    std::fs::write(&config, format!("access = {access:?}\ndata = {:?}\n", path("data"))).unwrap();
+    let new = ["token", "new", "--tenant", "t", "--role", "read", "--name", "ci"];
+    done(&[&new[..], &["--config", &config]].concat());
+    for arguments in [
+        &["token", "list", "--config", &config][..],
+        &["token", "--config", &config, "list"],
+        &["--config", &config, "token", "list"],
+    ] {
+        let (listed, _) = done(arguments);
+        assert!(listed.contains("  ci  t  read  "), "{arguments:?}: {listed}");
+    }
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    let output = command.args(["doctor", "--config", &config]).output().unwrap();
+    assert!(String::from_utf8_lossy(&output.stderr).contains(&path("data")), "doctor examines the folder of the file");
+    let listed = Command::new(env!("CARGO_BIN_EXE_counterpointd"))
+        .args(["token", "list"])
+        .env("COUNTERPOINT_CONFIG", &config)
+        .output()
+        .unwrap();
+    assert!(String::from_utf8_lossy(&listed.stdout).contains("  ci  t  read  "), "the environment names the file");
+}
