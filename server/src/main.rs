@@ -178,8 +178,10 @@ fn fail(code: u8, error: &dyn std::fmt::Display) -> ExitCode {
 }
 
 async fn serve(options: Options, config: Option<&Path>) -> Result<(), service::Error> {
+    let data = std::path::absolute(&options.data).unwrap_or_else(|_| options.data.clone());
     let service = service::build(options).await?;
     let handle = service.handle();
+    log_start(&handle, &data);
     output::announce(format_args!("listening on {}", handle.url()));
     let manager = Manager::from_environment();
     if let Some(manager) = &manager {
@@ -190,6 +192,13 @@ async fn serve(options: Options, config: Option<&Path>) -> Result<(), service::E
         () = signals(handle.clone(), config) => Ok(()),
         () = tell(manager.as_ref(), &handle) => Ok(()),
     }
+}
+
+/// Logs the version, the data folder and the bound addresses.
+fn log_start(handle: &service::Handle, data: &Path) {
+    let (version, data, url) = (env!("CARGO_PKG_VERSION"), data.display(), handle.url());
+    let metrics = handle.metrics().map(|address| format!("http://{address}/metrics"));
+    tracing::info!(version, %data, unfinished_jobs = handle.unfinished_jobs(), url, metrics, "started");
 }
 
 /// Tells the service manager that the server is alive, and when it stops. Never returns.

@@ -128,6 +128,12 @@ impl Handle {
         self.metrics
     }
 
+    /// Jobs that wait or run.
+    #[must_use]
+    pub fn unfinished_jobs(&self) -> usize {
+        self.core.upgrade().map_or(0, |core| core.unfinished_jobs())
+    }
+
     /// The address as clients are to be given it.
     #[must_use]
     pub fn url(&self) -> String {

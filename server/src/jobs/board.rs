@@ -412,6 +412,11 @@ impl Core {
         self.board.live.remove(&live.id);
     }
 
+    /// Jobs in memory: those that wait or run.
+    pub(crate) fn unfinished_jobs(&self) -> usize {
+        self.board.live.len()
+    }
+
     /// Whether the jobs were looked after within this time.
     pub(crate) fn ticks_within(&self, time: Duration) -> bool {
         lock(&self.board.ticked).elapsed() <= time

@@ -124,3 +124,37 @@ fn commands_take_the_configuration_before_and_after_their_name() {
         .unwrap();
     assert!(String::from_utf8_lossy(&listed.stdout).contains("  ci  t  read  "), "the environment names the file");
 }
+
+/// With port 0 only the log says which port monitoring has.
+#[cfg(unix)]
+#[test]
+fn the_log_has_the_version_the_folder_the_jobs_and_the_addresses() {
+    use std::io::{BufRead as _, BufReader};
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_counterpointd"))
+        .args(["--listen", "127.0.0.1:0", "--metrics", "127.0.0.1:0", "--log-format", "json", "--data", "data"])
+        .current_dir(folder.path())
+        .env("COUNTERPOINT_LOG", "info")
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut announced = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut announced).unwrap();
+    let url = announced.trim().strip_prefix("listening on ").unwrap().to_owned();
+    // The line precedes the announcement.
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let lines: Vec<String> = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap).collect();
+    let lines = lines.iter().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+    let started =
+        lines.into_iter().find(|line| line["fields"]["message"] == "started").expect("a line about the start");
+    let fields = &started["fields"];
+    assert_eq!((&fields["version"], &fields["url"]), (&env!("CARGO_PKG_VERSION").into(), &url.into()), "{fields}");
+    assert_eq!((&fields["unfinished_jobs"], &started["level"]), (&0.into(), &"INFO".into()), "{fields}");
+    let data = folder.path().canonicalize().unwrap().join("data");
+    assert_eq!(fields["data"], data.to_str().unwrap(), "{fields}");
+    let metrics = fields["metrics"].as_str().unwrap();
+    let port = metrics.strip_prefix("http://127.0.0.1:").and_then(|rest| rest.strip_suffix("/metrics")).unwrap();
+    assert_ne!(port, "0", "{fields}");
+}
