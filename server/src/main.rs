@@ -20,7 +20,7 @@ struct Arguments {
     /// Configuration file; flags and environment override it
     #[arg(long, global = true, env = "COUNTERPOINT_CONFIG", value_name = "FILE.toml")]
     config: Option<PathBuf>,
-    /// Print the resulting configuration and exit
+    /// Print the resulting configuration with a comment for each option, and exit
     #[arg(long)]
     print_config: bool,
     #[command(flatten)]
@@ -130,7 +130,7 @@ fn main() -> ExitCode {
         Err(error) => return fail(2, &error),
     };
     if arguments.print_config {
-        return match output::line(format_args!("{}", options.to_toml().trim_end())) {
+        return match output::line(format_args!("{}", options.to_commented_toml().trim_end())) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => fail(3, &error),
         };

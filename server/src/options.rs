@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::logging::LogFormat;
 
 mod groups;
+mod printed;
 mod tenants;
 mod webhooks;
 

@@ -125,6 +125,16 @@ fn commands_take_the_configuration_before_and_after_their_name() {
     assert!(String::from_utf8_lossy(&listed.stdout).contains("  ci  t  read  "), "the environment names the file");
 }
 
+#[test]
+fn a_configuration_is_printed_with_comments_and_can_be_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let (printed, _) = done(&["--queue", "7", "--print-config"]);
+    assert!(printed.contains("# Maximum number of jobs that wait in the queue\nqueue = 7\n"), "{printed}");
+    let config = folder.path().join("c.toml");
+    std::fs::write(&config, &printed).unwrap();
+    assert_eq!(done(&["--print-config", "--config", config.to_str().unwrap()]).0, printed);
+}
+
 /// With port 0 only the log says which port monitoring has.
 #[cfg(unix)]
 #[test]

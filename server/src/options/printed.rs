@@ -1,0 +1,94 @@
+//! Options as a configuration file with a comment for each option.
+//!
+//! *Invariant:* the comments are the help texts of the flags, so every option that has a flag has a comment, and the
+//! file gives the same options again.
+
+use clap::Args as _;
+use toml_edit::{DocumentMut, Item};
+
+use super::{Flags, Options};
+
+/// Columns of a comment.
+const WIDTH: usize = 100;
+/// Comments of the tables, which have no flags.
+const TABLES: [(&str, &str); 2] = [
+    ("tenants", "Different quotas and retention of single tenants, each in a table [tenants.NAME]"),
+    ("webhooks", "Targets that are notified when jobs end, each in a table [webhooks.NAME]"),
+];
+
+impl Options {
+    /// The options as a configuration file that explains them.
+    #[must_use]
+    pub fn to_commented_toml(&self) -> String {
+        let plain = self.to_toml();
+        let Ok(mut document) = plain.parse::<DocumentMut>() else { return plain };
+        let flags = Flags::augment_args(clap::Command::new("counterpointd"));
+        for (mut key, item) in document.iter_mut() {
+            let Some(text) = help(&flags, &key) else { continue };
+            let comment = comment(&text);
+            match item {
+                Item::Table(table) => table.decor_mut().set_prefix(comment),
+                _ => key.leaf_decor_mut().set_prefix(comment),
+            }
+        }
+        document.to_string().trim_start().to_owned()
+    }
+}
+
+/// The help text of an option or a table.
+fn help(flags: &clap::Command, name: &str) -> Option<String> {
+    if let Some((_, text)) = TABLES.iter().find(|(table, _)| *table == name) {
+        return Some((*text).to_owned());
+    }
+    let flag = flags.get_arguments().find(|flag| flag.get_id() == name)?;
+    flag.get_help().map(ToString::to_string)
+}
+
+/// An empty line, then the text in lines that begin with `#`.
+fn comment(text: &str) -> String {
+    let mut lines = vec![String::from("#")];
+    for word in text.split_whitespace() {
+        if lines.last().is_some_and(|line| line.len() + 1 + word.len() > WIDTH) {
+            lines.push(String::from("#"));
+        }
+        if let Some(line) = lines.last_mut() {
+            line.push(' ');
+            line.push_str(word);
+        }
+    }
+    format!("\n{}\n", lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::{Tenant, Webhook};
+
+    #[test]
+    fn every_option_has_a_comment_and_reads_back_the_same() {
+        let mut options = Options { queue: 7, ..Options::default() };
+        options.guard.grpc_web_origins = "a\nqueue = 3\n".to_owned();
+        options.tables.tenants.insert("cell".to_owned(), Tenant { queued: Some(9), ..Tenant::default() });
+        let hook = Webhook {
+            url: "https://mes.example".to_owned(),
+            secret_file: "secret".into(),
+            tenants: vec!["*".to_owned()],
+            states: Vec::new(),
+            ca_file: None,
+        };
+        options.tables.webhooks.insert("mes".to_owned(), hook);
+        let text = options.to_commented_toml();
+        assert_eq!(Options::parse(&text).unwrap(), options, "{text}");
+        assert!(text.starts_with("# Address to listen on; port 0 = any free port\nlisten = "), "{text}");
+
+        let text = Options::default().to_commented_toml();
+        let lines: Vec<&str> = text.lines().collect();
+        let options: toml::Table = Options::default().to_toml().parse().unwrap();
+        for name in options.keys() {
+            let begins = |line: &&str| line.starts_with(&format!("{name} = ")) || **line == format!("[{name}]");
+            let at = lines.iter().position(begins).unwrap_or_else(|| panic!("{name}: {text}"));
+            assert!(lines[at - 1].starts_with("# "), "{name} has no comment: {text}");
+        }
+        assert!(lines.iter().all(|line| line.len() <= WIDTH), "{text}");
+    }
+}
