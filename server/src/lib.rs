@@ -21,6 +21,7 @@ pub mod local;
 pub mod log;
 pub mod logging;
 mod machines;
+pub mod man;
 mod memory;
 mod metrics;
 mod net;

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 use counterpoint_server::access::token_commands::TokenCommand;
 use counterpoint_server::backup::{self, Contents};
 use counterpoint_server::doctor;
 use counterpoint_server::notify::Manager;
 use counterpoint_server::options::{Flags, Options};
 use counterpoint_server::output;
-use counterpoint_server::{logging, service, start_threads};
+use counterpoint_server::{logging, man, service, start_threads};
 
 /// The Counterpoint server: runs NC programs as the control would
 #[derive(Debug, Parser)]
@@ -65,6 +65,11 @@ enum Command {
     /// Create, list and revoke tokens in the file of identities
     #[command(subcommand)]
     Token(TokenCommand),
+    /// Write man pages into a folder
+    Man {
+        /// Folder for the pages
+        folder: PathBuf,
+    },
 }
 
 /// Executes commands that need no server of their own.
@@ -72,6 +77,7 @@ fn run(command: &Command, options: &Options) -> ExitCode {
     let data = &options.data;
     let done = match command {
         Command::Token(command) => command.run(&options.guard.access),
+        Command::Man { folder } => man::write(Arguments::command(), folder),
         Command::Doctor { data: own, repair } => return examine(own.as_deref().unwrap_or(data), *repair),
         Command::Backup { to, data: own } => {
             keep_private();

@@ -34,17 +34,27 @@ fn the_archive_has_programs_that_run_and_all_licences() {
     }
     for path in [
         "usr/share/man/man1/counterpoint-run.1.gz",
+        "usr/share/man/man8/counterpointd.8.gz",
+        "usr/share/man/man8/counterpointd-token-new.8.gz",
         "usr/share/bash-completion/completions/counterpoint",
         "usr/share/zsh/vendor-completions/_counterpoint",
         "usr/share/fish/vendor_completions.d/counterpoint.fish",
         "usr/lib/systemd/system/counterpointd.service",
         "etc/counterpoint/counterpointd.toml",
         "usr/share/doc/counterpoint/LICENSE-MIT",
+        "usr/share/doc/counterpoint/docs/operations.md",
+        "usr/share/doc/counterpoint/docs/security.md",
+        "usr/share/doc/counterpoint/docs/diagnostics/README.md",
+        "usr/share/doc/counterpoint/deploy/README.md",
     ] {
         assert!(unpacked.join(path).is_file(), "{path}");
     }
     let text = |path: &str| std::fs::read_to_string(unpacked.join("usr/share/doc/counterpoint").join(path)).unwrap();
-    assert!(text("counterpointd.toml.example").contains("max_blob_bytes"));
+    let example = text("counterpointd.toml.example");
+    assert!(example.contains("# Maximum size of a blob, bytes\nmax_blob_bytes = "), "{example}");
+    assert!(example.contains("\ndata = \"/var/lib/counterpoint\"\n"), "{example}");
+    let instructions = text("deploy/README.md");
+    assert!(instructions.contains("useradd --system") && instructions.contains("counterpoint-VERSION-linux"));
     let licences = text("copyright");
     for part in ["\ntokio 1.", "\ntonic 0.", "Permission is hereby granted", "Apache License", "standard library"] {
         assert!(licences.contains(part), "{part}");

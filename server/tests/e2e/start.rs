@@ -135,6 +135,25 @@ fn a_configuration_is_printed_with_comments_and_can_be_used() {
     assert_eq!(done(&["--print-config", "--config", config.to_str().unwrap()]).0, printed);
 }
 
+#[test]
+fn each_command_has_a_man_page() {
+    let folder = tempfile::tempdir().unwrap();
+    done(&["man", folder.path().to_str().unwrap()]);
+    let page = |name: &str| std::fs::read_to_string(folder.path().join(format!("{name}.8"))).unwrap();
+    let main = page("counterpointd");
+    assert!(main.contains(".SH SYNOPSIS\ncounterpointd [OPTIONS] [COMMAND]\n"), "{main}");
+    for part in
+        [".TH counterpointd 8", "max\\-blob\\-bytes", "COUNTERPOINT_QUEUE", "/etc/counterpoint", "operations.md"]
+    {
+        assert!(main.contains(part), "{part}: {main}");
+    }
+    for (name, part) in
+        [("doctor", "repair"), ("backup", "FOLDER"), ("restore", "damaged"), ("token-new", "tenant"), ("man", "pages")]
+    {
+        assert!(page(&format!("counterpointd-{name}")).contains(part), "{name}");
+    }
+}
+
 /// With port 0 only the log says which port monitoring has.
 #[cfg(unix)]
 #[test]

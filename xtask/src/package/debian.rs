@@ -26,7 +26,7 @@ fn libc(program: &[u8]) -> (u32, u32) {
     (2, minors.max().unwrap_or(0))
 }
 
-fn control(files: &Files, version: &str, architecture: &str) -> String {
+fn control(files: &Files, version: &str, architecture: &str, maintainer: &str) -> String {
     let bytes: usize = files.values().map(|file| file.content.len()).sum();
     let programs = files.values().filter(|file| file.executable);
     let (major, minor) = programs.map(|file| libc(&file.content)).max().unwrap_or((2, 0));
@@ -34,7 +34,7 @@ fn control(files: &Files, version: &str, architecture: &str) -> String {
     let _ = write!(
         out,
         "Package: counterpoint\nVersion: {version}\nArchitecture: {architecture}\nSection: science\n\
-         Priority: optional\nMaintainer: The authors of Counterpoint <root@localhost>\n\
+         Priority: optional\nMaintainer: {maintainer}\n\
          Installed-Size: {}\nDepends: libc6 (>= {major}.{minor}), libgcc-s1, adduser, debconf (>= 0.5) | debconf-2.0\n\
          Description: runs NC programs as the control of the machine would\n \
          The server counterpointd and the command line counterpoint run programs for machines with\n \
@@ -51,7 +51,7 @@ fn control(files: &Files, version: &str, architecture: &str) -> String {
 pub(super) fn package(
     root: &Path,
     files: &Files,
-    (version, processor): (&str, &str),
+    (version, processor, maintainer): (&str, &str, &str),
     (time, level): (u64, u32),
 ) -> Result<(String, Vec<u8>), String> {
     let architecture = architecture(processor)?;
@@ -63,7 +63,7 @@ pub(super) fn package(
         let content = std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         add(name, content, name != "templates");
     }
-    add("control", control(files, version, architecture).into_bytes(), false);
+    add("control", control(files, version, architecture, maintainer).into_bytes(), false);
     let configuration = files.keys().filter(|path| path.starts_with("etc/")).map(|path| format!("/{path}\n"));
     add("conffiles", configuration.collect::<String>().into_bytes(), false);
     let wrong = |error: std::io::Error| format!("archive: {error}");

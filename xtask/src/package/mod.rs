@@ -1,5 +1,5 @@
-//! `cargo xtask package`: both programs with completions, man pages, the unit, a configuration and all licences, as a
-//! Debian package and as a `.tar.gz`.
+//! `cargo xtask package`: both programs with completions, man pages, the documentation, the unit, a configuration and
+//! all licences, as a Debian package and as a `.tar.gz`.
 //!
 //! *Invariant:* every file of a package comes from the repository or from the two programs, which print their own man
 //! pages, completions and options. The same programs produce the same packages, byte for byte.
@@ -29,7 +29,11 @@ pub struct Plan {
 }
 
 /// Documents in both kinds of packages.
-const DOCUMENTS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
+const DOCUMENTS: [&str; 5] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE", "deploy/README.md"];
+/// Folder of the documentation, with all its files. The documents above refer to it.
+const DOCUMENTATION: &str = "docs";
+/// Options that print the example configuration.
+const EXAMPLE: [&str; 3] = ["--data", "/var/lib/counterpoint", "--print-config"];
 /// Path of a completion script below `usr/share`, by shell.
 const COMPLETIONS: [(&str, &str); 3] = [
     ("bash", "bash-completion/completions/counterpoint"),
@@ -65,14 +69,42 @@ fn unit(text: &str) -> Result<String, String> {
     }
 }
 
+/// A property of the last commit, if this is a repository.
+fn commit(root: &Path, format: &str) -> Option<String> {
+    let output = Command::new("git").args(["log", "-1", format]).current_dir(root).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?.trim().to_owned();
+    (output.status.success() && !text.is_empty()).then_some(text)
+}
+
 /// SOURCE_DATE_EPOCH, or else the time of the last commit, in seconds since 1970.
 fn time(root: &Path) -> u64 {
     let given = std::env::var("SOURCE_DATE_EPOCH").ok();
-    let commit = || {
-        let output = Command::new("git").args(["log", "-1", "--format=%ct"]).current_dir(root).output().ok()?;
-        String::from_utf8(output.stdout).ok()
-    };
-    given.or_else(commit).and_then(|text| text.trim().parse().ok()).unwrap_or(1)
+    given.or_else(|| commit(root, "--format=%ct")).and_then(|text| text.trim().parse().ok()).unwrap_or(1)
+}
+
+/// Name and address for the Debian package: DEBFULLNAME and DEBEMAIL, or else the committer of the last commit.
+fn maintainer(root: &Path) -> Result<String, String> {
+    let given = |name: &str| std::env::var(name).ok().filter(|text| !text.is_empty());
+    let by_variables = given("DEBFULLNAME").zip(given("DEBEMAIL")).map(|(name, address)| format!("{name} <{address}>"));
+    by_variables.or_else(|| commit(root, "--format=%cn <%ce>")).ok_or_else(|| {
+        "the Debian package has no maintainer: set DEBFULLNAME and DEBEMAIL, or build in a clone of the repository"
+            .into()
+    })
+}
+
+/// All files below a folder of the repository, as paths relative to the repository.
+fn below(root: &Path, folder: &Path) -> Result<Vec<String>, String> {
+    let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(root.join(folder)).map_err(wrong)? {
+        let entry = entry.map_err(wrong)?;
+        let path = folder.join(entry.file_name());
+        match entry.file_type().map_err(wrong)?.is_dir() {
+            true => all.extend(below(root, &path)?),
+            false => all.push(path.to_string_lossy().replace('\\', "/")),
+        }
+    }
+    Ok(all)
 }
 
 /// All files, at their paths in a Debian package.
@@ -87,20 +119,22 @@ fn files(root: &Path, plan: &Plan) -> Result<Files, String> {
     for (shell, path) in COMPLETIONS {
         add(&format!("usr/share/{path}"), printed(&line, &["completions", shell])?, false);
     }
-    let pages = plan.out.join("man");
-    printed(&line, &["man", &pages.to_string_lossy()])?;
-    for page in std::fs::read_dir(&pages).map_err(|error| format!("{}: {error}", pages.display()))?.flatten() {
-        let content = archive::gzip(&read(&page.path())?, plan.level).map_err(|error| error.to_string())?;
-        add(&format!("usr/share/man/man1/{}.gz", page.file_name().to_string_lossy()), content, false);
+    for (program, section) in [(&line, "man1"), (&server, "man8")] {
+        let pages = plan.out.join("man");
+        printed(program, &["man", &pages.to_string_lossy()])?;
+        for page in std::fs::read_dir(&pages).map_err(|error| format!("{}: {error}", pages.display()))?.flatten() {
+            let content = archive::gzip(&read(&page.path())?, plan.level).map_err(|error| error.to_string())?;
+            add(&format!("usr/share/man/{section}/{}.gz", page.file_name().to_string_lossy()), content, false);
+        }
+        std::fs::remove_dir_all(&pages).map_err(|error| format!("{}: {error}", pages.display()))?;
     }
-    std::fs::remove_dir_all(&pages).map_err(|error| format!("{}: {error}", pages.display()))?;
     let text = String::from_utf8_lossy(&read(&root.join("deploy/counterpointd.service"))?).into_owned();
     add("usr/lib/systemd/system/counterpointd.service", unit(&text)?.into_bytes(), false);
     add("etc/counterpoint/counterpointd.toml", read(&root.join("deploy/debian/counterpointd.toml"))?, false);
     let of = |name: &str| format!("usr/share/doc/counterpoint/{name}");
-    add(&of("counterpointd.toml.example"), printed(&server, &["--print-config"])?, false);
-    for name in DOCUMENTS {
-        add(&of(name), read(&root.join(name))?, false);
+    add(&of("counterpointd.toml.example"), printed(&server, &EXAMPLE)?, false);
+    for name in DOCUMENTS.map(str::to_owned).into_iter().chain(below(root, Path::new(DOCUMENTATION))?) {
+        add(&of(&name), read(&root.join(&name))?, false);
     }
     let own = "Counterpoint: MIT OR Apache-2.0, see LICENSE-MIT and LICENSE-APACHE beside this file.\n\n";
     let linked = graph::linked(root, &["counterpoint-server", "counterpoint-cli"])?;
@@ -120,7 +154,8 @@ pub fn make(root: &Path, plan: &Plan) -> Result<Vec<PathBuf>, String> {
     let archive = archive::tar_gz(&files, &name, (time, plan.level)).map_err(|error| error.to_string())?;
     let mut made = vec![(format!("{name}.tar.gz"), archive)];
     if plan.debian {
-        made.push(debian::package(root, &files, (version, processor), (time, plan.level))?);
+        let maintainer = maintainer(root)?;
+        made.push(debian::package(root, &files, (version, processor, &maintainer), (time, plan.level))?);
     }
     let write = |(name, content): (String, Vec<u8>)| {
         let path = plan.out.join(name);

@@ -1,0 +1,68 @@
+//! `counterpointd man`: man pages, made from the help texts.
+//!
+//! *Invariant:* each command has a page, named as the command with hyphens: `counterpointd-token-new.8`.
+
+use std::io;
+use std::path::Path;
+
+use clap::Command;
+use clap_mangen::Man;
+
+/// Section of the manual for programs of administrators.
+const SECTION: &str = "8";
+/// Environment and paths of a package, after the options of the server.
+const SERVER: &str = r#".SH ENVIRONMENT
+Each option has a variable: COUNTERPOINT_QUEUE for \-\-queue, COUNTERPOINT_TLS_CERT for \-\-tls\-cert.
+Options override variables, and variables override the configuration file. COUNTERPOINT_LOG filters the log.
+.SH FILES
+.TP
+.I /etc/counterpoint/counterpointd.toml
+Configuration of the packaged server.
+.TP
+.I /var/lib/counterpoint
+Its data folder.
+.TP
+.I /var/log/counterpoint
+Folder for its audit log.
+.TP
+.I /usr/share/doc/counterpoint/docs/operations.md
+The manual of the server; \fIsecurity.md\fR beside it explains identities and encryption.
+"#;
+
+/// Writes the pages of a program and its commands into a folder.
+///
+/// # Errors
+/// A page cannot be written.
+pub fn write(mut program: Command, folder: &Path) -> Result<(), String> {
+    let failed = |error: io::Error| format!("'{}': {error}", folder.display());
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    program = program.disable_help_subcommand(true);
+    program.build();
+    write_all(&program, folder, SERVER).map_err(failed)
+}
+
+fn write_all(command: &Command, folder: &Path, more: &str) -> io::Result<()> {
+    let name = command.get_display_name().unwrap_or_else(|| command.get_name()).to_owned();
+    let below: Vec<&Command> = command.get_subcommands().filter(|command| !command.is_hide_set()).collect();
+    let page = Man::new(command.clone()).title(&name).section(SECTION).date("").manual("Counterpoint");
+    let page = page.source(concat!("counterpoint ", env!("CARGO_PKG_VERSION")));
+    let mut text = Vec::new();
+    page.render_title(&mut text)?;
+    page.render_name_section(&mut text)?;
+    text.extend(synopsis(command).into_bytes());
+    page.render_description_section(&mut text)?;
+    page.render_options_section(&mut text)?;
+    if !below.is_empty() {
+        page.render_subcommands_section(&mut text)?;
+    }
+    text.extend(more.as_bytes());
+    std::fs::write(folder.join(format!("{name}.{SECTION}")), text)?;
+    below.into_iter().try_for_each(|command| write_all(command, folder, ""))
+}
+
+/// The usage as `--help` prints it: the options of the server in one word.
+fn synopsis(command: &Command) -> String {
+    let usage = command.clone().render_usage().to_string();
+    let usage = usage.trim_start_matches("Usage: ").replace('-', "\\-");
+    format!(".SH SYNOPSIS\n{usage}\n")
+}
