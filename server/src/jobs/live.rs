@@ -42,14 +42,20 @@ fn held_by(info: &Info) -> u64 {
     texts.fold(results.saturating_mul(info.channels.len() as u64), u64::saturating_add)
 }
 
+/// Parts of a job in the memory budget.
+#[derive(Debug, Default)]
+struct Counted {
+    /// Its share, until it has ended.
+    taken: Option<Taken>,
+    /// Its work for the first run, if that is small; otherwise a run reads it from the ledger.
+    work: Option<Work>,
+}
+
 /// A job in memory.
 #[derive(Debug)]
 pub(crate) struct Live {
-    /// Its part of the memory budget, until it has ended.
-    taken: Mutex<Option<Taken>>,
+    counted: Mutex<Counted>,
     pub(crate) id: String,
-    /// Its work for the first run, if that is small; otherwise a run reads it from the ledger.
-    work: Mutex<Option<Work>>,
     record: Mutex<Record>,
     state: watch::Sender<State>,
     cancel: AtomicBool,
@@ -79,15 +85,14 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 
 impl Live {
     pub(crate) fn new(record: Record) -> Self {
-        Self::counted(record, None)
+        Self::counted(record, None, None)
     }
 
-    /// A job whose memory is counted until it has ended.
-    pub(super) fn counted(record: Record, taken: Option<Taken>) -> Self {
+    /// A job whose memory is counted until it has ended; its work is given if that is small.
+    pub(super) fn counted(record: Record, taken: Option<Taken>, work: Option<Work>) -> Self {
         Self {
-            taken: Mutex::new(taken),
+            counted: Mutex::new(Counted { taken, work }),
             id: record.id.clone(),
-            work: Mutex::default(),
             state: watch::Sender::new(record.state),
             cancel: AtomicBool::new(record.cancel),
             stop: Mutex::default(),
@@ -104,15 +109,9 @@ impl Live {
         }
     }
 
-    /// Keeps the small work of a job that has just been accepted.
-    pub(super) fn with_work(mut self, work: Option<Work>) -> Self {
-        self.work = Mutex::new(work);
-        self
-    }
-
-    /// The work that was kept, once.
+    /// The small work that was kept, once.
     pub(super) fn take_work(&self) -> Option<Work> {
-        lock(&self.work).take()
+        lock(&self.counted).work.take()
     }
 
     pub(crate) fn record(&self) -> Record {
@@ -300,7 +299,7 @@ impl Live {
 
     /// Gives back its part of the memory budget.
     pub(super) fn give_back(&self) {
-        drop(lock(&self.taken).take());
+        drop(lock(&self.counted).taken.take());
     }
 
     /// Takes the log back.

@@ -286,7 +286,7 @@ impl Core {
     fn accepted(&self, record: Record, work: Option<Work>) -> Arc<Live> {
         let bytes = record.bytes() + work.as_ref().map_or(0, |_| Work::SMALL);
         let taken = self.board.memory.count(bytes);
-        Arc::new(Live::counted(record, Some(taken)).with_work(work))
+        Arc::new(Live::counted(record, Some(taken), work))
     }
 
     fn take_up(&self, record: Record) {
