@@ -40,6 +40,8 @@ pub(super) struct Waiting {
     suspended: BTreeMap<String, Arc<Live>>,
     /// Jobs on workers without a mark, because they use no processor time.
     unmarked: BTreeSet<String>,
+    /// Cleared suspects that the ledger still holds as suspects.
+    cleared: Vec<String>,
 }
 
 /// Jobs in memory.
@@ -78,6 +80,7 @@ impl Board {
                 reserved: HashMap::new(),
                 suspended: BTreeMap::new(),
                 unmarked: BTreeSet::new(),
+                cleared: Vec::new(),
             }),
             recent: Mutex::default(),
             deadlines: Mutex::default(),
@@ -300,6 +303,34 @@ impl Core {
             queue.suspended.insert(id, live);
         }
         self.mark_working(queue);
+        self.clear(queue);
+    }
+
+    /// Ends the suspicion of jobs that the queue has cleared.
+    fn clear(&self, queue: &mut Waiting) {
+        let cleared = queue.jobs.take_cleared();
+        for live in cleared.iter().filter_map(|id| self.live(id)) {
+            live.change(|record| record.runs.suspect = false);
+        }
+        queue.cleared.extend(cleared);
+    }
+
+    /// Stores which suspects have been cleared, from a thread that may block.
+    pub(super) fn keep_cleared(&self) {
+        let cleared = std::mem::take(&mut lock(&self.board.queue).cleared);
+        if cleared.is_empty() {
+            return;
+        }
+        if let Err(error) = self.ledger.clear_blocking(cleared.clone()) {
+            tracing::debug!(%error, "the end of a suspicion is stored later");
+            lock(&self.board.queue).cleared.extend(cleared);
+        }
+    }
+
+    /// Removes a job that has ended from memory.
+    pub(super) fn drop_ended(&self, id: &str) {
+        lock(&self.board.queue).jobs.forget(id);
+        self.board.live.remove(id);
     }
 
     /// Keeps the marks of runs that use processor time, and no others: only these can end the server.
@@ -326,6 +357,7 @@ impl Core {
         {
             let mut queue = lock(&self.board.queue);
             queue.jobs.free(&live.id, Instant::now());
+            queue.jobs.forget(&live.id);
             self.share_cores(&mut queue);
             self.host.unmark(&live.id);
             self.board.running.send_replace(queue.jobs.busy().len());
@@ -409,7 +441,7 @@ impl Core {
         self.ended(&ended);
         live.change(|record| *record = ended);
         self.changed(live);
-        self.board.live.remove(&live.id);
+        self.drop_ended(&live.id);
     }
 
     /// Jobs in memory: those that wait or run.

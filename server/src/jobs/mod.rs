@@ -181,6 +181,7 @@ impl Core {
                 }
                 core.stop_late_jobs();
                 core.pump();
+                core.keep_cleared();
                 core.board.ticked();
                 drop(core);
                 std::thread::sleep(TICK);
@@ -392,7 +393,7 @@ impl Core {
         live.change(|record| record.clone_from(&ended));
         self.ended(&ended);
         self.changed(live);
-        self.board.live.remove(&live.id);
+        self.drop_ended(&live.id);
         Ok(ended)
     }
 

@@ -202,6 +202,9 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Notes whether a job is held back, unless it has ended.
     async fn flag_paused(&self, id: String, paused: bool) -> Result<(), Refusal>;
 
+    /// Notes that jobs are no suspects any more, unless they have ended, from a thread that may block.
+    fn clear_blocking(&self, ids: Vec<String>) -> Result<(), Refusal>;
+
     /// Stores the operator's answer, unless the job has ended.
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal>;
 

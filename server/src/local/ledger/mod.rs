@@ -288,6 +288,19 @@ impl Ledger for LocalLedger {
         .await
     }
 
+    fn clear_blocking(&self, ids: Vec<String>) -> Result<(), Refusal> {
+        self.write_blocking(move |tables| {
+            for id in &ids {
+                // A row that cannot be read is reported to its readers.
+                let Ok(Some(mut record)) = get(tables, id) else { continue };
+                if !record.state.ended() && std::mem::take(&mut record.runs.suspect) {
+                    put(tables, &record)?;
+                }
+            }
+            Ok(())
+        })
+    }
+
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal> {
         self.write(move |tables| match (get(tables, &id)?, works::get(tables, &id)?) {
             (Some(record), Some(mut work)) if !record.state.ended() => {

@@ -8,13 +8,13 @@ mod places;
 mod suspects;
 mod turns;
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::queue::{Entry, Look, Queue, Ticket};
 use line::{Line, Spot, class};
-use suspects::{Alone, Suspect};
+use suspects::Suspects;
 use turns::Run;
 
 /// Most jobs whose end is being stored while others have their workers.
@@ -23,7 +23,7 @@ const MOST_STORING: usize = 64;
 #[derive(Debug, Default)]
 pub(crate) struct LocalQueue {
     /// Jobs that were running when the server before this one died: they run alone at first.
-    suspects: VecDeque<Suspect>,
+    suspects: Suspects,
     /// Jobs whose run the host failed, and when they may be run again.
     again: Vec<(Instant, String, Arc<str>)>,
     /// Jobs that are held back.
@@ -42,8 +42,6 @@ pub(crate) struct LocalQueue {
     last_number: u64,
     /// Jobs whose run is over and whose end is being stored.
     storing: BTreeSet<String>,
-    /// The suspect that runs alone.
-    alone: Option<Alone>,
 }
 
 impl LocalQueue {
@@ -134,8 +132,12 @@ impl Queue for LocalQueue {
     fn push(&mut self, ticket: Ticket<'_>, entry: Entry) {
         let (id, tenant) = (ticket.id.to_owned(), self.tenant(ticket.tenant));
         self.line(&tenant).held += 1;
+        if let Entry::Suspect(alone) = entry {
+            self.suspects.suspect(&id, alone);
+        }
         match entry {
-            Entry::Suspect(alone) => self.suspects.push_back(Suspect { id, tenant, alone }),
+            Entry::Suspect(_) => self.suspects.push(id, tenant, None),
+            Entry::Again(at) if self.suspects.contains(&id) => self.suspects.push(id, tenant, Some(at)),
             Entry::Again(at) => self.again.push((at, id, tenant)),
             Entry::Paused => drop(self.paused.insert(id, tenant)),
             Entry::Accepted(since) => {
@@ -151,7 +153,7 @@ impl Queue for LocalQueue {
         self.charge(look);
         match self.next_suspect(look) {
             Some(id) => Some(id),
-            None if self.alone.is_some() => None,
+            None if self.suspects.runs_alone() => None,
             None => self.divide(look),
         }
     }
@@ -167,7 +169,7 @@ impl Queue for LocalQueue {
         self.storing.remove(id);
         let Some(at) = self.running.iter().position(|run| run.id == id) else { return };
         let run = self.running.swap_remove(at);
-        self.alone.take_if(|alone| alone.id == id);
+        self.suspects.stop(id, now);
         let line = self.line(&run.tenant);
         line.running = line.running.saturating_sub(1);
         line.used += run.uncharged(now);
@@ -178,9 +180,8 @@ impl Queue for LocalQueue {
         let tenant = if let Some((tenant, spot)) = self.spots.get(id).cloned() {
             self.take(&tenant, spot);
             tenant
-        } else if let Some(at) = self.suspects.iter().position(|suspect| suspect.id == id) {
-            let Some(suspect) = self.suspects.remove(at) else { return false };
-            suspect.tenant
+        } else if let Some(tenant) = self.suspects.remove(id) {
+            tenant
         } else if let Some(at) = self.again.iter().position(|(_, waiting, _)| waiting == id) {
             self.again.remove(at).2
         } else if let Some(tenant) = self.paused.remove(id) {
@@ -194,6 +195,14 @@ impl Queue for LocalQueue {
         true
     }
 
+    fn forget(&mut self, id: &str) {
+        self.suspects.forget(id);
+    }
+
+    fn take_cleared(&mut self) -> Vec<String> {
+        self.suspects.take_cleared()
+    }
+
     fn before(&self, id: &str) -> usize {
         if let Some((tenant, spot)) = self.spots.get(id) {
             let own = self.lines.get(tenant).map_or(0, |line| line.before(*spot));
@@ -202,9 +211,8 @@ impl Queue for LocalQueue {
             let others: usize = others.map(|(_, line)| line.len().min(own + 1)).sum();
             return self.suspects.len() + self.again.len() + own + others;
         }
-        let suspect = self.suspects.iter().position(|suspect| suspect.id == id);
         let again = || self.again.iter().position(|(_, waiting, _)| waiting == id);
-        suspect.or_else(|| again().map(|at| self.suspects.len() + at)).unwrap_or(0)
+        self.suspects.before(id).or_else(|| again().map(|at| self.suspects.len() + at)).unwrap_or(0)
     }
 
     fn running(&self) -> Vec<String> {

@@ -1,46 +1,137 @@
 //! Suspects: jobs that were running when the previous server died.
 //!
 //! One after another, they run alone before other jobs run: any other runs are suspended meanwhile. A suspect is
-//! cleared when its time alone is over, or when it stands and cannot harm the server. It then continues beside other
-//! jobs. *Invariant:* suspects delay other jobs by at most the sum of their times alone.
+//! cleared when it has run alone for its time, or when it stands and cannot harm the server. It then continues beside
+//! other jobs. A suspect whose run is stopped earlier has the rest of its time when it runs again. *Invariant:* suspects
+//! delay other jobs by at most the sum of their times alone, however often they are stopped.
 
+use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::LocalQueue;
+use super::turns::Run;
 use crate::queue::Look;
 
 /// A suspect that waits.
 #[derive(Debug)]
-pub(super) struct Suspect {
-    pub(super) id: String,
-    pub(super) tenant: Arc<str>,
-    /// Time for which it runs alone.
-    pub(super) alone: Duration,
+struct Suspect {
+    id: String,
+    tenant: Arc<str>,
+    /// Earliest time of its start; none = it may start at once.
+    at: Option<Instant>,
 }
 
 /// The suspect that runs alone.
 #[derive(Debug)]
-pub(super) struct Alone {
-    pub(super) id: String,
-    until: Option<Instant>,
+struct Alone {
+    id: String,
+    since: Instant,
+}
+
+/// All suspects, wherever they are.
+#[derive(Debug, Default)]
+pub(super) struct Suspects {
+    waiting: VecDeque<Suspect>,
+    alone: Option<Alone>,
+    /// Time for which each of them is yet to run alone, also those that are held back.
+    left: HashMap<String, Duration>,
+    /// Suspects that were cleared since the last call of `take_cleared`.
+    cleared: Vec<String>,
+}
+
+impl Suspects {
+    /// Suspects a job; one that is suspected already keeps the rest of its time.
+    pub(super) fn suspect(&mut self, id: &str, alone: Duration) {
+        self.left.entry(id.to_owned()).or_insert(alone);
+    }
+
+    pub(super) fn contains(&self, id: &str) -> bool {
+        self.left.contains_key(id)
+    }
+
+    /// Lets a suspect wait, at least until `at`.
+    pub(super) fn push(&mut self, id: String, tenant: Arc<str>, at: Option<Instant>) {
+        self.waiting.push_back(Suspect { id, tenant, at });
+    }
+
+    /// Takes a waiting suspect out; returns its tenant.
+    pub(super) fn remove(&mut self, id: &str) -> Option<Arc<str>> {
+        let at = self.before(id)?;
+        self.waiting.remove(at).map(|suspect| suspect.tenant)
+    }
+
+    /// Suspects that wait.
+    pub(super) fn len(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// Suspects that wait before this one; none if it does not wait.
+    pub(super) fn before(&self, id: &str) -> Option<usize> {
+        self.waiting.iter().position(|suspect| suspect.id == id)
+    }
+
+    /// Whether a suspect runs alone.
+    pub(super) fn runs_alone(&self) -> bool {
+        self.alone.is_some()
+    }
+
+    /// The run of a job is over. A suspect that has run alone for its time is cleared.
+    pub(super) fn stop(&mut self, id: &str, now: Instant) {
+        let Some(alone) = self.alone.take_if(|alone| alone.id == id) else { return };
+        match self.left.get_mut(id) {
+            Some(left) => *left = left.saturating_sub(now.saturating_duration_since(alone.since)),
+            None => return,
+        }
+        if self.left.get(id).is_some_and(Duration::is_zero) {
+            self.clear(alone.id);
+        }
+    }
+
+    /// Forgets a job that has ended.
+    pub(super) fn forget(&mut self, id: &str) {
+        self.left.remove(id);
+    }
+
+    pub(super) fn take_cleared(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.cleared)
+    }
+
+    fn clear(&mut self, id: String) {
+        self.left.remove(&id);
+        self.cleared.push(id);
+    }
+
+    /// Clears the suspect that runs alone if it may have company now.
+    fn clear_alone(&mut self, running: &[Run], now: Instant) {
+        let left = &self.left;
+        let over = self.alone.take_if(|alone| {
+            let stands = running.iter().any(|run| run.id == alone.id && run.stands);
+            stands || left.get(&alone.id).is_none_or(|left| now.saturating_duration_since(alone.since) >= *left)
+        });
+        if let Some(over) = over {
+            self.clear(over.id);
+        }
+    }
+
+    /// Takes the first suspect that may start.
+    fn first(&mut self, now: Instant) -> Option<Suspect> {
+        let first = self.waiting.iter().position(|suspect| suspect.at.is_none_or(|at| at <= now))?;
+        self.waiting.remove(first)
+    }
 }
 
 impl LocalQueue {
     /// Clears the suspect that runs alone if it may have company now; returns the next suspect, if it starts.
     pub(super) fn next_suspect(&mut self, look: &Look<'_>) -> Option<String> {
-        let running = &self.running;
-        self.alone.take_if(|alone| {
-            let stands = running.iter().any(|run| run.id == alone.id && run.stands);
-            stands || alone.until.is_some_and(|until| look.now >= until)
-        });
+        self.suspects.clear_alone(&self.running, look.now);
         let mut started = None;
-        if self.alone.is_none() && look.starts {
-            let Suspect { id, tenant, alone } = self.suspects.pop_front()?;
-            self.alone = Some(Alone { id: id.clone(), until: look.now.checked_add(alone) });
+        if self.suspects.alone.is_none() && look.starts {
+            let Suspect { id, tenant, .. } = self.suspects.first(look.now)?;
+            self.suspects.alone = Some(Alone { id: id.clone(), since: look.now });
             started = Some(self.begin(id, tenant, look.now));
         }
-        let alone = self.alone.as_ref()?;
+        let alone = self.suspects.alone.as_ref()?;
         for run in self.running.iter_mut().filter(|run| run.id != alone.id && !run.stands) {
             run.suspended = true;
         }

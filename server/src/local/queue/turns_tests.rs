@@ -31,6 +31,8 @@ struct World {
     used: BTreeMap<String, Duration>,
     ended: BTreeMap<String, Duration>,
     suspensions: usize,
+    /// Suspects that were cleared, in order.
+    cleared: Vec<String>,
 }
 
 impl World {
@@ -49,6 +51,7 @@ impl World {
             used: BTreeMap::new(),
             ended: BTreeMap::new(),
             suspensions: 0,
+            cleared: Vec::new(),
         }
     }
 
@@ -67,6 +70,20 @@ impl World {
         self.queue.push(ticket, Entry::Suspect(ms(5000)));
     }
 
+    /// Pauses the run of a job that was a suspect at first, and resumes the job.
+    fn pause_and_resume(&mut self, id: &str, pause: Duration) {
+        let ticket = Ticket { id, tenant: &id[..1], priority: Priority::Normal };
+        self.queue.free(id, self.now);
+        self.queue.push(ticket, Entry::Paused);
+        self.look();
+        self.pass(pause);
+        assert!(self.queue.remove(id));
+        let cleared = self.cleared.iter().any(|cleared| cleared == id);
+        let entry = if cleared { Entry::Accepted(self.now) } else { Entry::Suspect(ms(5000)) };
+        self.queue.push(ticket, entry);
+        self.look();
+    }
+
     fn look(&mut self) {
         let before = self.queue.suspended();
         let Self { queue, slots, room, now, started, stand, .. } = self;
@@ -75,6 +92,7 @@ impl World {
             started.push(id);
         }
         self.suspensions += self.queue.suspended().difference(&before).count();
+        self.cleared.extend(self.queue.take_cleared());
     }
 
     /// Runs that use a slot.
@@ -367,4 +385,38 @@ fn a_cleared_suspect_that_its_client_moves_waits_while_another_suspect_runs_alon
     assert_eq!(world.working(), ["b"]);
     world.pass(ms(5000));
     assert_eq!(world.working(), ["a", "b"]);
+}
+
+#[test]
+fn a_suspect_that_is_paused_and_resumed_again_and_again_has_its_time_alone_once() {
+    let mut world = World::new(2);
+    world.suspect("a1", ENDLESS);
+    world.suspect("a2", ENDLESS);
+    world.submit("z", ENDLESS);
+    for number in 0..12 {
+        world.pass(ms(1000));
+        world.pause_and_resume(["a1", "a2"][number % 2], ms(100));
+    }
+    let before = world.used("z");
+    assert!(before >= ms(12_000 + 1200 - 10_000), "{before:?}");
+    assert_eq!(world.cleared, ["a1", "a2"]);
+    world.pass(ms(4000));
+    assert!(world.used("z") - before >= ms(1900), "it has its share: {:?}", world.used("z") - before);
+}
+
+#[test]
+fn a_suspect_whose_run_the_host_failed_runs_alone_after_its_pause() {
+    let mut world = World::new(2);
+    world.suspect("a", ENDLESS);
+    world.pass(ms(1000));
+    world.queue.free("a", world.now);
+    let ticket = Ticket { id: "a", tenant: "a", priority: Priority::Normal };
+    world.queue.push(ticket, Entry::Again(world.now + ms(500)));
+    world.submit("z", ENDLESS);
+    world.pass(ms(400));
+    assert_eq!(world.working(), ["z"]);
+    world.pass(ms(3000));
+    assert_eq!(world.working(), ["a"]);
+    world.pass(ms(2000));
+    assert_eq!((world.working().len(), world.cleared), (2, vec!["a".to_owned()]));
 }
