@@ -19,6 +19,7 @@ mod observe;
 pub(crate) mod operator;
 pub(crate) mod progress;
 mod recent;
+mod recovery;
 mod reuse;
 pub(crate) mod shares;
 mod sink;
@@ -28,7 +29,6 @@ mod system;
 mod tally;
 pub(crate) mod worker;
 
-use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -38,7 +38,7 @@ use crate::connections::Connections;
 use crate::drain::Drain;
 use crate::host::Host;
 use crate::ledger::record::{Record, State, Work};
-use crate::ledger::{Ledger, Submitted, recovered};
+use crate::ledger::{Ledger, Submitted};
 use crate::log::Logs;
 use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
@@ -137,38 +137,7 @@ impl Core {
 
     /// Requeues the jobs that a previous server left unfinished, and starts to run jobs.
     pub(crate) fn recover(self: &Arc<Self>) -> Result<(), Refusal> {
-        let mut unfinished = self.ledger.unfinished()?;
-        let mut marks: HashMap<String, u32> = self.host.marks()?.into_iter().collect();
-        for record in &mut unfinished {
-            if let Some(attempt) = marks.remove(&record.id) {
-                (record.state, record.runs.attempt) = (State::Running, attempt);
-            }
-        }
-        // Marks of jobs that have ended.
-        marks.keys().for_each(|id| self.host.unmark(id));
-        let running = unfinished.iter().filter(|record| record.state == State::Running).count();
-        if !unfinished.is_empty() {
-            tracing::info!(jobs = unfinished.len(), running, "jobs that have not ended are taken up again");
-        }
-        for record in unfinished {
-            let before = record.state;
-            let record = recovered(record, running, self.options.maxima.attempts, &self.board.clock);
-            if before == State::Running {
-                tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
-            }
-            if record.state != before {
-                if record.state.ended() {
-                    // Of a run that did not reach its end.
-                    self.logs.remove_log(&record.id)?;
-                }
-                self.ledger.update_blocking(record.clone())?;
-                self.ended(&record);
-                self.host.unmark(&record.id);
-            }
-            if !record.state.ended() {
-                self.admit(self.in_memory(record));
-            }
-        }
+        self.take_up_unfinished()?;
         housekeeping::remove_folders_without_a_row(self)?;
         self.pump();
         housekeeping::start(self)?;

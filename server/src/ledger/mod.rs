@@ -16,7 +16,6 @@ use counterpoint_kernel::dialog::answers::Answer;
 use tokio::sync::watch;
 use uuid::Uuid;
 
-use crate::clock::Clock;
 use crate::machines::Definition;
 use crate::reason::Refusal;
 use prefix::IdPrefix;
@@ -196,6 +195,9 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Same from a thread that may block.
     fn update_blocking(&self, record: Record) -> Result<(), Refusal>;
 
+    /// Stores new states of jobs, all of them or none, from a thread that may block.
+    fn update_all_blocking(&self, records: Vec<Record>) -> Result<(), Refusal>;
+
     /// Notes that a job is to be cancelled, unless it has ended.
     async fn flag_cancel(&self, id: String) -> Result<(), Refusal>;
 
@@ -293,27 +295,4 @@ pub(crate) trait Ledger: Send + Sync + Debug {
 
     /// Bytes that its rows need in the file. Reads all pages.
     fn used_bytes(&self) -> Result<u64, Refusal>;
-}
-
-/// State to which a job returns when the server starts. `running`: jobs that were running when the previous server
-/// ended. A job that ran alone may have ended it.
-pub(crate) fn recovered(mut record: Record, running: usize, attempts: u32, clock: &Clock) -> Record {
-    let (suspect, alone) = (record.state == State::Running, running == 1);
-    if suspect && alone {
-        record.runs.crashes += 1;
-    }
-    if record.cancel {
-        record.state = State::Cancelled;
-        record.end(clock);
-    } else if suspect && alone && record.runs.crashes >= attempts.max(1) {
-        record.state = State::Failed;
-        record.end(clock);
-        record.runs.cause = Some(record::Cause::Host);
-        record.error = format!("poison: the server died {} times while this job ran alone", record.runs.crashes);
-    } else {
-        // A suspect that was not running when another server died was not the cause.
-        record.runs.suspect = suspect || record.runs.suspect && running == 0;
-        (record.state, record.runs.started_ms) = (State::Queued, 0);
-    }
-    record
 }

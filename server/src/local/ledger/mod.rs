@@ -316,6 +316,10 @@ impl Ledger for LocalLedger {
         self.write_blocking(move |tables| put(tables, &record))
     }
 
+    fn update_all_blocking(&self, records: Vec<Record>) -> Result<(), Refusal> {
+        self.write_blocking(move |txn| records.iter().try_for_each(|record| put(txn, record)))
+    }
+
     fn end(&self, record: Record, log: Option<Bytes>, then: Then) {
         let then = Reply(Some(then));
         let tenant = number(&record.tenant);

@@ -1,0 +1,144 @@
+//! Recovery: the jobs that the previous server left unfinished are taken up again.
+//!
+//! A mark names a run that was at work when a server died; the job of such a run is a suspect. *Invariant:* a crash is
+//! counted once, even if further servers die during their recovery. The jobs are stored in one transaction. A mark
+//! counts only if the ledger does not have the number of its run yet.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::Core;
+use crate::clock::Clock;
+use crate::ledger::record::{Cause, Record, State};
+use crate::reason::Refusal;
+
+impl Core {
+    /// Requeues the jobs that a previous server left unfinished.
+    pub(super) fn take_up_unfinished(self: &Arc<Self>) -> Result<(), Refusal> {
+        let marks: HashMap<String, u32> = self.host.marks()?.into_iter().collect();
+        let mut jobs = self.ledger.unfinished()?;
+        let died = Died { at_work: died_at_work(&mut jobs, &marks), attempts: self.options.maxima.attempts };
+        if !jobs.is_empty() {
+            tracing::info!(jobs = jobs.len(), running = died.at_work, "jobs that have not ended are taken up again");
+        }
+        let mut changed = Vec::new();
+        for job in &mut jobs {
+            let before = job.clone();
+            died.recover(job, &self.board.clock);
+            if before.state == State::Running {
+                tracing::info!(job = job.id, state = ?job.state, suspect = job.runs.suspect, "recovered");
+            }
+            if job.state.ended() {
+                // Of a run that did not reach its end.
+                self.logs.remove_log(&job.id)?;
+            }
+            if *job != before {
+                changed.push(job.clone());
+            }
+        }
+        if !changed.is_empty() {
+            self.ledger.update_all_blocking(changed)?;
+        }
+        marks.keys().for_each(|id| self.host.unmark(id));
+        for job in jobs {
+            if job.state.ended() {
+                self.ended(&job);
+            } else {
+                self.admit(self.in_memory(job));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Sets the state of jobs whose runs were at work when the server died, and the numbers of these runs; returns how many
+/// there are.
+fn died_at_work(jobs: &mut [Record], marks: &HashMap<String, u32>) -> usize {
+    for job in jobs.iter_mut() {
+        if let Some(attempt) = marks.get(&job.id).filter(|attempt| **attempt > job.runs.attempt) {
+            (job.state, job.runs.attempt) = (State::Running, *attempt);
+        }
+    }
+    jobs.iter().filter(|job| job.state == State::Running).count()
+}
+
+/// The end of the previous server.
+struct Died {
+    /// Runs that were at work then.
+    at_work: usize,
+    /// Number of crashes after which a job is given up.
+    attempts: u32,
+}
+
+impl Died {
+    /// Sets the state to which a job returns. A job that ran alone may have ended the server.
+    fn recover(&self, job: &mut Record, clock: &Clock) {
+        let (suspect, alone) = (job.state == State::Running, self.at_work == 1);
+        if suspect && alone {
+            job.runs.crashes += 1;
+        }
+        if job.cancel {
+            job.state = State::Cancelled;
+            job.end(clock);
+        } else if suspect && alone && job.runs.crashes >= self.attempts.max(1) {
+            job.state = State::Failed;
+            job.end(clock);
+            job.runs.cause = Some(Cause::Host);
+            job.error = format!("poison: the server died {} times while this job ran alone", job.runs.crashes);
+        } else {
+            // A suspect that was not running when another server died was not the cause.
+            job.runs.suspect = suspect || job.runs.suspect && self.at_work == 0;
+            (job.state, job.runs.started_ms) = (State::Queued, 0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ledger::record::tests::record;
+
+    const ATTEMPTS: u32 = 2;
+
+    fn jobs<const N: usize>(ids: [&str; N]) -> Vec<Record> {
+        ids.map(record).to_vec()
+    }
+
+    /// The jobs after a server that left these marks.
+    fn after(jobs: &mut [Record], marks: &[(&str, u32)]) {
+        let marks = marks.iter().map(|(id, attempt)| ((*id).to_owned(), *attempt)).collect();
+        let died = Died { at_work: died_at_work(jobs, &marks), attempts: ATTEMPTS };
+        jobs.iter_mut().for_each(|job| died.recover(job, &Clock::from(0)));
+    }
+
+    fn suspects(jobs: &[Record]) -> Vec<&str> {
+        jobs.iter().filter(|job| job.runs.suspect).map(|job| job.id.as_str()).collect()
+    }
+
+    #[test]
+    fn a_mark_that_stays_is_counted_once_and_its_job_stays_a_suspect() {
+        let mut jobs = jobs(["a", "b", "c"]);
+        after(&mut jobs, &[("a", 1), ("b", 1)]);
+        assert_eq!(suspects(&jobs), ["a", "b"]);
+        // Servers die after the transaction, before all marks are removed.
+        for _ in 0..5 {
+            after(&mut jobs, &[("b", 1)]);
+            assert_eq!(suspects(&jobs), ["a", "b"]);
+        }
+        let counts = jobs.iter().map(|job| (job.state, job.runs.attempt, job.runs.crashes));
+        let queued = |attempt| (State::Queued, attempt, 0);
+        assert_eq!(counts.collect::<Vec<_>>(), [queued(1), queued(1), queued(0)]);
+    }
+
+    #[test]
+    fn a_job_that_runs_alone_at_each_crash_is_given_up_and_clears_the_others() {
+        let mut jobs = jobs(["a", "b"]);
+        after(&mut jobs, &[("a", 1), ("b", 1)]);
+        after(&mut jobs, &[("a", 2)]);
+        assert_eq!((suspects(&jobs), jobs[0].runs.crashes), (vec!["a"], 1));
+        after(&mut jobs, &[("a", 3)]);
+        assert_eq!((jobs[0].state, jobs[0].runs.cause), (State::Failed, Some(Cause::Host)));
+        assert!(jobs[0].error.starts_with("poison: the server died 2 times"), "{}", jobs[0].error);
+        assert_eq!((jobs[1].state, jobs[1].runs.suspect), (State::Queued, false));
+    }
+}
