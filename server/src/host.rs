@@ -6,20 +6,30 @@ use std::fmt::Debug;
 use std::io;
 use std::path::PathBuf;
 
+/// The run of a job, for the server after one that died.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Mark {
+    pub(crate) id: String,
+    /// Number of the run.
+    pub(crate) attempt: u32,
+    /// Whether the run uses processor time: otherwise it cannot end the server.
+    pub(crate) works: bool,
+}
+
 /// The machine.
 pub(crate) trait Host: Send + Sync + Debug {
     /// Free bytes for the server's storage; `None` if the system does not report them.
     fn free(&self) -> Option<u64>;
 
-    /// Marks a job as running, with the number of its run. The mark is not made durable: it is for the server after one
+    /// Marks a job as running, in place of its earlier mark. The mark is not made durable: it is for the server after one
     /// that died, not for one after a power loss, which no job has caused.
-    fn mark(&self, id: &str, attempt: u32) -> io::Result<()>;
+    fn mark(&self, mark: &Mark) -> io::Result<()>;
 
-    /// Removes the mark of a job. One that stays makes the next server run the job alone.
+    /// Removes the mark of a job. One that stays may make the next server run the job alone.
     fn unmark(&self, id: &str);
 
-    /// Jobs that were running when the server before this one died, with the numbers of their runs.
-    fn marks(&self) -> io::Result<Vec<(String, u32)>>;
+    /// Runs of the server before this one, if it died.
+    fn marks(&self) -> io::Result<Vec<Mark>>;
 
     /// Folder for files that are not needed after a restart.
     fn scratch(&self) -> PathBuf;

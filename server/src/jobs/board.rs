@@ -4,6 +4,7 @@
 //! server drains.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -16,6 +17,7 @@ use super::recent::Recent;
 use super::tally::Tally;
 use super::{Core, worker};
 use crate::clock::Clock;
+use crate::host::Mark;
 use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::memory::Memory;
 use crate::queue::{Entry, Look, Queue, Ticket};
@@ -38,8 +40,8 @@ pub(super) struct Waiting {
     reserved: HashMap<String, usize>,
     /// Jobs on workers that let others have their core.
     suspended: BTreeMap<String, Arc<Live>>,
-    /// Jobs on workers without a mark, because they use no processor time.
-    unmarked: BTreeSet<String>,
+    /// Jobs on workers that use no processor time, as their marks say.
+    idle: BTreeSet<String>,
     /// Cleared suspects that the ledger still holds as suspects.
     cleared: Vec<String>,
 }
@@ -79,7 +81,7 @@ impl Board {
                 jobs: queue,
                 reserved: HashMap::new(),
                 suspended: BTreeMap::new(),
-                unmarked: BTreeSet::new(),
+                idle: BTreeSet::new(),
                 cleared: Vec::new(),
             }),
             recent: Mutex::default(),
@@ -333,23 +335,35 @@ impl Core {
         self.board.live.remove(id);
     }
 
-    /// Keeps the marks of runs that use processor time, and no others: only these can end the server.
+    /// Marks which runs use processor time: only these can end the server.
     fn mark_working(&self, queue: &mut Waiting) {
         let idle = queue.jobs.idle();
-        if idle == queue.unmarked {
+        if idle == queue.idle {
             return;
         }
-        for id in idle.difference(&queue.unmarked) {
-            self.host.unmark(id);
-        }
         let running = queue.jobs.running();
-        for live in queue.unmarked.difference(&idle).filter(|id| running.contains(id)).filter_map(|id| self.live(id)) {
+        let changed = idle.symmetric_difference(&queue.idle).filter(|id| running.contains(id));
+        for live in changed.filter_map(|id| self.live(id)) {
+            let attempt = live.peek(|record| record.runs.attempt);
+            let mark = Mark { id: live.id.clone(), attempt, works: !idle.contains(&live.id) };
             // Without a mark the job is queued again if the server dies, and does not run alone.
-            if let Err(error) = self.host.mark(&live.id, live.peek(|record| record.runs.attempt)) {
+            if let Err(error) = self.host.mark(&mark) {
                 tracing::debug!(job = live.id, %error, "the run has no mark");
             }
         }
-        queue.unmarked = idle;
+        queue.idle = idle;
+    }
+
+    /// Marks a run that begins now, and sets its number and its start.
+    pub(super) fn begin_run(&self, live: &Live) -> io::Result<Record> {
+        // The number and the mark change together.
+        let queue = lock(&self.board.queue);
+        let attempt = live.peek(|record| record.runs.attempt) + 1;
+        self.host.mark(&Mark { id: live.id.clone(), attempt, works: !queue.idle.contains(&live.id) })?;
+        Ok(live.change(|record| {
+            (record.state, record.runs.started_ms) = (State::Running, now_ms().max(record.submitted_ms));
+            record.runs.attempt = attempt;
+        }))
     }
 
     /// A worker is free again: the job has ended, or the drain has interrupted it.

@@ -1,23 +1,24 @@
 //! Recovery: the jobs that the previous server left unfinished are taken up again.
 //!
-//! A mark names a run that was at work when a server died; the job of such a run is a suspect. *Invariant:* a crash is
-//! counted once, even if further servers die during their recovery. The jobs are stored in one transaction. A mark
-//! counts only if the ledger does not have the number of its run yet.
+//! The mark of a run says whether it was at work when the server died; the job of such a run is a suspect. *Invariant:*
+//! a crash is counted once, even if further servers die during their recovery. The jobs are stored in one transaction. A
+//! mark counts only if the ledger does not have the number of its run yet.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::Core;
 use crate::clock::Clock;
+use crate::host::Mark;
 use crate::ledger::record::{Cause, Record, State};
 use crate::reason::Refusal;
 
 impl Core {
     /// Requeues the jobs that a previous server left unfinished.
     pub(super) fn take_up_unfinished(self: &Arc<Self>) -> Result<(), Refusal> {
-        let marks: HashMap<String, u32> = self.host.marks()?.into_iter().collect();
+        let marks: HashMap<String, Mark> = self.host.marks()?.into_iter().map(|mark| (mark.id.clone(), mark)).collect();
         let mut jobs = self.ledger.unfinished()?;
-        let died = Died { at_work: died_at_work(&mut jobs, &marks), attempts: self.options.maxima.attempts };
+        let died = Died::new(&jobs, &marks, self.options.maxima.attempts);
         if !jobs.is_empty() {
             tracing::info!(jobs = jobs.len(), running = died.at_work, "jobs that have not ended are taken up again");
         }
@@ -25,7 +26,7 @@ impl Core {
         for job in &mut jobs {
             let before = job.clone();
             died.recover(job, &self.board.clock);
-            if before.state == State::Running {
+            if died.was_at_work(&before) {
                 tracing::info!(job = job.id, state = ?job.state, suspect = job.runs.suspect, "recovered");
             }
             if job.state.ended() {
@@ -51,29 +52,37 @@ impl Core {
     }
 }
 
-/// Sets the state of jobs whose runs were at work when the server died, and the numbers of these runs; returns how many
-/// there are.
-fn died_at_work(jobs: &mut [Record], marks: &HashMap<String, u32>) -> usize {
-    for job in jobs.iter_mut() {
-        if let Some(attempt) = marks.get(&job.id).filter(|attempt| **attempt > job.runs.attempt) {
-            (job.state, job.runs.attempt) = (State::Running, *attempt);
-        }
-    }
-    jobs.iter().filter(|job| job.state == State::Running).count()
-}
-
 /// The end of the previous server.
-struct Died {
+struct Died<'a> {
+    marks: &'a HashMap<String, Mark>,
     /// Runs that were at work then.
     at_work: usize,
     /// Number of crashes after which a job is given up.
     attempts: u32,
 }
 
-impl Died {
+impl<'a> Died<'a> {
+    fn new(jobs: &[Record], marks: &'a HashMap<String, Mark>, attempts: u32) -> Self {
+        let died = Self { marks, at_work: 0, attempts };
+        Self { at_work: jobs.iter().filter(|job| died.was_at_work(job)).count(), ..died }
+    }
+
+    /// The mark of the run that died, unless the ledger has its number.
+    fn mark(&self, job: &Record) -> Option<&Mark> {
+        self.marks.get(&job.id).filter(|mark| mark.attempt > job.runs.attempt)
+    }
+
+    fn was_at_work(&self, job: &Record) -> bool {
+        job.state == State::Running || self.mark(job).is_some_and(|mark| mark.works)
+    }
+
     /// Sets the state to which a job returns. A job that ran alone may have ended the server.
     fn recover(&self, job: &mut Record, clock: &Clock) {
-        let (suspect, alone) = (job.state == State::Running, self.at_work == 1);
+        let (suspect, alone) = (self.was_at_work(job), self.at_work == 1);
+        if let Some(mark) = self.mark(job) {
+            // An idle run was not the cause, and its job has been alone if it was a suspect.
+            (job.runs.attempt, job.runs.suspect) = (mark.attempt, false);
+        }
         if suspect && alone {
             job.runs.crashes += 1;
         }
@@ -104,10 +113,14 @@ mod tests {
         ids.map(record).to_vec()
     }
 
-    /// The jobs after a server that left these marks.
-    fn after(jobs: &mut [Record], marks: &[(&str, u32)]) {
-        let marks = marks.iter().map(|(id, attempt)| ((*id).to_owned(), *attempt)).collect();
-        let died = Died { at_work: died_at_work(jobs, &marks), attempts: ATTEMPTS };
+    /// The jobs after a server that left marks with these numbers; those of idle runs are negative.
+    fn after(jobs: &mut [Record], marks: &[(&str, i32)]) {
+        let mark = |(id, attempt): &(&str, i32)| {
+            let id = (*id).to_owned();
+            (id.clone(), Mark { id, attempt: attempt.unsigned_abs(), works: *attempt > 0 })
+        };
+        let marks = marks.iter().map(mark).collect();
+        let died = Died::new(jobs, &marks, ATTEMPTS);
         jobs.iter_mut().for_each(|job| died.recover(job, &Clock::from(0)));
     }
 
@@ -140,5 +153,16 @@ mod tests {
         assert_eq!((jobs[0].state, jobs[0].runs.cause), (State::Failed, Some(Cause::Host)));
         assert!(jobs[0].error.starts_with("poison: the server died 2 times"), "{}", jobs[0].error);
         assert_eq!((jobs[1].state, jobs[1].runs.suspect), (State::Queued, false));
+    }
+
+    #[test]
+    fn an_idle_run_counts_as_an_attempt_and_its_job_is_no_suspect() {
+        let mut jobs = jobs(["a", "b"]);
+        after(&mut jobs, &[("a", 1), ("b", 1)]);
+        after(&mut jobs, &[("a", -2)]);
+        assert_eq!((suspects(&jobs), jobs[0].runs.attempt, jobs[0].runs.crashes), (vec!["b"], 2, 0));
+        after(&mut jobs, &[("a", -3), ("b", 2)]);
+        assert_eq!((suspects(&jobs), jobs[0].runs.attempt), (vec!["b"], 3));
+        assert_eq!((jobs[1].runs.attempt, jobs[1].runs.crashes), (2, 1), "it was the only run at work");
     }
 }

@@ -31,7 +31,7 @@ use super::reuse;
 use super::sink::JobSink;
 use super::system::Shell;
 use crate::cpu;
-use crate::ledger::record::{Cause, Reached, Record, State, Work, now_ms};
+use crate::ledger::record::{Cause, Reached, Record, State, Work};
 use crate::log::Logs;
 use crate::log::writer::{Ended, Place, Small, Writer};
 use crate::machines::Definition;
@@ -203,11 +203,7 @@ enum Ran {
 fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     let work = live.take_work().map_or_else(|| core.work(&live.id), Ok)?;
     // A run that takes the server down has left its mark.
-    core.host.mark(&live.id, live.record().runs.attempt + 1)?;
-    let record = live.change(|record| {
-        (record.state, record.runs.started_ms) = (State::Running, now_ms().max(record.submitted_ms));
-        record.runs.attempt += 1;
-    });
+    let record = core.begin_run(live)?;
     core.changed(live);
     let or_most = |asked: u64, most: u64| if asked == 0 { most } else { asked.min(most) };
     let wall_ms = or_most(record.runs.wall_ms, core.options.maxima.max_wall_ms);

@@ -8,7 +8,7 @@ use super::disk::{Disk, Written};
 use super::marks::Marks;
 use super::spare;
 use super::store::Store;
-use crate::host::Host;
+use crate::host::{Host, Mark};
 use crate::log::kept::{Files, Kept};
 use crate::log::writer::Place;
 use crate::log::{Logs, segments};
@@ -147,8 +147,8 @@ impl Host for Store {
         self.free()
     }
 
-    fn mark(&self, id: &str, attempt: u32) -> io::Result<()> {
-        self.marks().map_or(Ok(()), |marks| marks.mark(id, attempt))
+    fn mark(&self, mark: &Mark) -> io::Result<()> {
+        self.marks().map_or(Ok(()), |marks| marks.mark(mark))
     }
 
     fn unmark(&self, id: &str) {
@@ -157,7 +157,7 @@ impl Host for Store {
         }
     }
 
-    fn marks(&self) -> io::Result<Vec<(String, u32)>> {
+    fn marks(&self) -> io::Result<Vec<Mark>> {
         Ok(self.marks().map(Marks::all).unwrap_or_default())
     }
 

@@ -1,7 +1,7 @@
 //! Marks of running jobs, in one file that is written in place: a run makes and removes no file.
 //!
-//! A mark lies in a slot of its own, `<attempt> <id> <CRC-32 of both>`, followed by zeros; marks of earlier versions
-//! have no checksum. *Invariant:* a slot is written by one write
+//! A mark lies in a slot of its own, `<attempt> <id> <CRC-32 of both>`, followed by zeros. A `-` before the attempt says
+//! that the run uses no processor time; marks of earlier versions have no `-`, or no checksum. *Invariant:* a slot is written by one write
 //! within a page, so a process that is killed leaves each slot in its old or its new state. Nothing is made durable:
 //! the marks are for the server after one that died, not for one after a power loss, which no job has caused.
 
@@ -12,7 +12,10 @@ use std::sync::{Mutex, PoisonError};
 
 use super::disk::{Disk, Written};
 use super::named::Named as _;
+use crate::host::Mark;
 
+/// Before the attempt of a run that uses no processor time.
+const IDLE: &str = "-";
 /// Bytes of a slot; a page holds a whole number of them.
 const SLOT: usize = 128;
 
@@ -27,8 +30,8 @@ pub(crate) struct Marks {
 #[derive(Debug, Default)]
 struct Slots {
     file: Option<Written>,
-    /// Slot and number of the run by job.
-    taken: HashMap<String, (usize, u32)>,
+    /// Slots and marks by job.
+    taken: HashMap<String, (usize, Mark)>,
     free: Vec<usize>,
     /// Slots that the file has.
     all: usize,
@@ -44,7 +47,7 @@ impl Marks {
         };
         for slot in content.chunks(SLOT) {
             match read(slot) {
-                Some((id, attempt)) => drop(slots.taken.insert(id, (slots.all, attempt))),
+                Some(mark) => drop(slots.taken.insert(mark.id.clone(), (slots.all, mark))),
                 None => slots.free.push(slots.all),
             }
             slots.all += 1;
@@ -52,9 +55,10 @@ impl Marks {
         Ok(Self { disk, path: path.to_owned(), slots: Mutex::new(slots) })
     }
 
-    /// Marks a job as running, with the number of its run.
-    pub(crate) fn mark(&self, id: &str, attempt: u32) -> io::Result<()> {
-        let text = format!("{attempt} {id}");
+    /// Marks a job as running.
+    pub(crate) fn mark(&self, mark: &Mark) -> io::Result<()> {
+        let id = mark.id.as_str();
+        let text = format!("{}{} {id}", if mark.works { "" } else { IDLE }, mark.attempt);
         let text = format!("{text} {:08x}", crc32fast::hash(text.as_bytes()));
         if text.len() >= SLOT || id.contains(['\0', ' ']) {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("'{id}' cannot be the name of a job")));
@@ -67,7 +71,7 @@ impl Marks {
                 slots.all - 1
             }),
         };
-        slots.taken.insert(id.to_owned(), (slot, attempt));
+        slots.taken.insert(id.to_owned(), (slot, mark.clone()));
         let written = self.write(&mut slots, slot, text.as_bytes());
         if written.is_err() {
             slots.taken.remove(id);
@@ -76,7 +80,7 @@ impl Marks {
         written
     }
 
-    /// Removes the mark of a job. One that stays makes the next server run the job alone.
+    /// Removes the mark of a job. One that stays may make the next server run the job alone.
     pub(crate) fn unmark(&self, id: &str) {
         let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((slot, _)) = slots.taken.remove(id) {
@@ -96,15 +100,15 @@ impl Marks {
         file.write_all(&content)
     }
 
-    /// Jobs that are marked, with the numbers of their runs.
-    pub(crate) fn all(&self) -> Vec<(String, u32)> {
+    /// All marks.
+    pub(crate) fn all(&self) -> Vec<Mark> {
         let slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
-        slots.taken.iter().map(|(id, (_, attempt))| (id.clone(), *attempt)).collect()
+        slots.taken.values().map(|(_, mark)| mark.clone()).collect()
     }
 }
 
-/// Job and number of its run, if a slot holds a mark.
-fn read(slot: &[u8]) -> Option<(String, u32)> {
+/// The mark in a slot, if there is one.
+fn read(slot: &[u8]) -> Option<Mark> {
     let text = slot.split(|byte| *byte == 0).next().and_then(|text| std::str::from_utf8(text).ok())?;
     let text = match text.rsplit_once(' ') {
         Some((mark, crc)) if mark.contains(' ') => {
@@ -113,14 +117,20 @@ fn read(slot: &[u8]) -> Option<(String, u32)> {
         _ => text,
     };
     let (attempt, id) = text.split_once(' ')?;
-    Some((id.to_owned(), attempt.parse().ok()?))
+    let idle = attempt.strip_prefix(IDLE);
+    let attempt = idle.unwrap_or(attempt).parse().ok()?;
+    Some(Mark { id: id.to_owned(), attempt, works: idle.is_none() })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn sorted(marks: &Marks) -> Vec<(String, u32)> {
+    fn mark(id: &str, attempt: u32) -> Mark {
+        Mark { id: id.to_owned(), attempt, works: true }
+    }
+
+    fn sorted(marks: &Marks) -> Vec<Mark> {
         let mut all = marks.all();
         all.sort();
         all
@@ -134,20 +144,21 @@ mod tests {
         let marks = open();
         assert!(marks.all().is_empty() && !path.exists());
         for (id, attempt) in [("a", 1), ("b", 2), ("c", 30)] {
-            marks.mark(id, attempt).unwrap();
+            marks.mark(&mark(id, attempt)).unwrap();
         }
-        marks.mark("a", 4).unwrap();
+        marks.mark(&mark("a", 4)).unwrap();
+        marks.mark(&Mark { works: false, ..mark("c", 30) }).unwrap();
         marks.unmark("b");
         marks.unmark("not there");
-        let expected = [("a".to_owned(), 4), ("c".to_owned(), 30)];
+        let expected = [mark("a", 4), Mark { works: false, ..mark("c", 30) }];
         assert_eq!((sorted(&marks), sorted(&open())), (expected.to_vec(), expected.to_vec()));
         // The place of a mark that was removed is used again.
         let next = open();
         next.unmark("c");
-        (0..2).for_each(|n| next.mark(&format!("job-{n}"), 1).unwrap());
+        (0..2).for_each(|n| next.mark(&mark(&format!("job-{n}"), 1)).unwrap());
         assert_eq!(path.metadata().unwrap().len(), 3 * SLOT as u64);
         next.unmark("a");
-        assert_eq!(sorted(&open()), [("job-0".to_owned(), 1), ("job-1".to_owned(), 1)]);
+        assert_eq!(sorted(&open()), [mark("job-0", 1), mark("job-1", 1)]);
     }
 
     #[test]
@@ -160,10 +171,10 @@ mod tests {
         content.extend(b"cut");
         std::fs::write(&path, content).unwrap();
         let marks = Marks::of(&path, Disk::default()).unwrap();
-        assert_eq!(marks.all(), [("x".to_owned(), 7)]);
-        marks.mark("y", 1).unwrap();
-        marks.mark("z", 1).unwrap();
+        assert_eq!(marks.all(), [mark("x", 7)]);
+        marks.mark(&mark("y", 1)).unwrap();
+        marks.mark(&mark("z", 1)).unwrap();
         assert_eq!(sorted(&Marks::of(&path, Disk::default()).unwrap()).len(), 3);
-        assert!(marks.mark(&"long".repeat(50), 1).is_err());
+        assert!(marks.mark(&mark(&"long".repeat(50), 1)).is_err());
     }
 }

@@ -16,6 +16,7 @@ use super::marks::Marks;
 use super::named::{Named as _, can_be_written, named};
 use super::shared::Shared;
 use super::spare;
+use crate::host::Mark;
 use crate::log::kept::Files;
 use crate::results::Document;
 use crate::tenant;
@@ -304,7 +305,7 @@ impl Store {
         let folder = self.root.join("running");
         for id in names(&folder)? {
             let attempt = fs::read_to_string(folder.join(&id))?.parse().unwrap_or(1);
-            self.marks.mark(&id, attempt)?;
+            self.marks.mark(&Mark { id, attempt, works: true })?;
         }
         match fs::remove_dir_all(folder) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -429,7 +430,8 @@ mod tests {
         let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
         let mut marks = store.marks().unwrap().all();
         marks.sort();
-        assert_eq!(marks, [("first".to_owned(), 1), ("third".to_owned(), 3)]);
+        let mark = |id: &str, attempt| Mark { id: id.to_owned(), attempt, works: true };
+        assert_eq!(marks, [mark("first", 1), mark("third", 3)]);
         assert!(!running.exists());
     }
 }

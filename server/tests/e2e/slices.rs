@@ -207,6 +207,33 @@ async fn jobs_that_a_crash_has_interrupted_do_not_hold_other_tenants() {
     server.stop().await;
 }
 
+/// After a crash, the runs that were suspended have counted as attempts, too.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_run_that_was_suspended_at_a_crash_counts_as_an_attempt() {
+    let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let options = Options { workers: 1, ..guarded(first.path()) };
+    let (server, tenants) = Real::start(options.clone(), ["a", "b", "c"]).await;
+    let mut jobs = Vec::new();
+    for tenant in &tenants {
+        jobs.push(endless(tenant, "fanuc-mill", BLOCKS, limits()).await);
+    }
+    for (tenant, job) in tenants.iter().zip(&jobs) {
+        moves(tenant, job).await;
+    }
+    let data = second.path().join("data");
+    copy(&options.data, &data);
+    server.stop().await;
+    let (server, tenants) = Real::again(Options { data, ..options }, tenants).await;
+    for (tenant, job) in tenants.iter().zip(&jobs) {
+        moves(tenant, job).await;
+        let request = v1::GetJobRequest { job_id: job.clone() };
+        let status = tenant.jobs().get_job(request).await.unwrap().into_inner().status.unwrap();
+        assert_eq!(status.attempt, 2, "{status:?}");
+        cancel(tenant, job).await;
+    }
+    server.stop().await;
+}
+
 /// A run gets its full running time, however long it was suspended. Suspended time counts for its deadline.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_limit_of_time_counts_running_time_and_a_deadline_does_not() {
