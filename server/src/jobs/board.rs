@@ -29,8 +29,8 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// Time for which a suspect runs alone after the server has died once. Each further death doubles it, so that a job that
 /// ends the server late is found, too.
 const ALONE: Duration = Duration::from_secs(5);
-/// Maximum number of times that it is doubled.
-const MOST_DOUBLINGS: u32 = 12;
+/// Maximum number of times that it is doubled. Other jobs wait that long.
+const MOST_DOUBLINGS: u32 = 2;
 
 /// The queue, and places in it.
 #[derive(Debug)]
@@ -114,15 +114,15 @@ fn entry(live: &Live) -> Entry {
     let mut entry = Entry::Accepted(Instant::now());
     live.peek(|record| match (record.paused, record.runs.suspect) {
         (true, _) => entry = Entry::Paused,
-        (false, true) => entry = Entry::Suspect(time_alone(record.runs.attempt)),
+        (false, true) => entry = Entry::Suspect(time_alone(record.runs.crashes.at_work)),
         (false, false) => {}
     });
     entry
 }
 
-/// Time for which a suspect runs alone, by its attempts: all of them ended with the server.
-fn time_alone(attempts: u32) -> Duration {
-    ALONE * (1 << attempts.saturating_sub(1).min(MOST_DOUBLINGS))
+/// Time for which a suspect runs alone, by the number of crashes at which it was at work.
+fn time_alone(crashes: u32) -> Duration {
+    ALONE * (1 << crashes.saturating_sub(1).min(MOST_DOUBLINGS))
 }
 
 fn push(queue: &mut dyn Queue, live: &Live, entry: Entry) {
@@ -532,6 +532,11 @@ pub(super) fn late(deadline: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_time_alone_doubles_up_to_twenty_seconds() {
+        assert_eq!([0, 1, 2, 3, 4, 100].map(|crashes| time_alone(crashes).as_secs()), [5, 5, 10, 20, 20, 20]);
+    }
 
     #[test]
     fn a_full_queue_has_places_for_tenants_that_have_few() {

@@ -83,17 +83,18 @@ impl<'a> Died<'a> {
             // An idle run was not the cause, and its job has been alone if it was a suspect.
             (job.runs.attempt, job.runs.suspect) = (mark.attempt, false);
         }
-        if suspect && alone {
-            job.runs.crashes += 1;
+        if suspect {
+            job.runs.crashes.count(alone);
         }
+        let poison = job.runs.crashes.poison(self.attempts).filter(|_| suspect);
         if job.cancel {
             job.state = State::Cancelled;
             job.end(clock);
-        } else if suspect && alone && job.runs.crashes >= self.attempts.max(1) {
+        } else if let Some(error) = poison {
             job.state = State::Failed;
             job.end(clock);
             job.runs.cause = Some(Cause::Host);
-            job.error = format!("poison: the server died {} times while this job ran alone", job.runs.crashes);
+            job.error = error;
         } else {
             // A suspect that was not running when another server died was not the cause.
             job.runs.suspect = suspect || job.runs.suspect && self.at_work == 0;
@@ -138,8 +139,8 @@ mod tests {
             after(&mut jobs, &[("b", 1)]);
             assert_eq!(suspects(&jobs), ["a", "b"]);
         }
-        let counts = jobs.iter().map(|job| (job.state, job.runs.attempt, job.runs.crashes));
-        let queued = |attempt| (State::Queued, attempt, 0);
+        let counts = jobs.iter().map(|job| (job.state, job.runs.attempt, job.runs.crashes.at_work));
+        let queued = |attempt| (State::Queued, attempt, attempt);
         assert_eq!(counts.collect::<Vec<_>>(), [queued(1), queued(1), queued(0)]);
     }
 
@@ -148,7 +149,7 @@ mod tests {
         let mut jobs = jobs(["a", "b"]);
         after(&mut jobs, &[("a", 1), ("b", 1)]);
         after(&mut jobs, &[("a", 2)]);
-        assert_eq!((suspects(&jobs), jobs[0].runs.crashes), (vec!["a"], 1));
+        assert_eq!((suspects(&jobs), jobs[0].runs.crashes.alone), (vec!["a"], 1));
         after(&mut jobs, &[("a", 3)]);
         assert_eq!((jobs[0].state, jobs[0].runs.cause), (State::Failed, Some(Cause::Host)));
         assert!(jobs[0].error.starts_with("poison: the server died 2 times"), "{}", jobs[0].error);
@@ -160,9 +161,21 @@ mod tests {
         let mut jobs = jobs(["a", "b"]);
         after(&mut jobs, &[("a", 1), ("b", 1)]);
         after(&mut jobs, &[("a", -2)]);
-        assert_eq!((suspects(&jobs), jobs[0].runs.attempt, jobs[0].runs.crashes), (vec!["b"], 2, 0));
+        assert_eq!((suspects(&jobs), jobs[0].runs.attempt, jobs[0].runs.crashes.at_work), (vec!["b"], 2, 1));
         after(&mut jobs, &[("a", -3), ("b", 2)]);
         assert_eq!((suspects(&jobs), jobs[0].runs.attempt), (vec!["b"], 3));
-        assert_eq!((jobs[1].runs.attempt, jobs[1].runs.crashes), (2, 1), "it was the only run at work");
+        assert_eq!((jobs[1].runs.attempt, jobs[1].runs.crashes.alone), (2, 1), "it was the only run at work");
+    }
+
+    #[test]
+    fn jobs_that_are_never_alone_at_a_crash_are_given_up_after_three_times_as_many() {
+        let mut jobs = jobs(["a", "b"]);
+        for attempt in 1..6 {
+            after(&mut jobs, &[("a", attempt), ("b", attempt)]);
+            assert_eq!(suspects(&jobs), ["a", "b"]);
+        }
+        after(&mut jobs, &[("a", 6), ("b", -6)]);
+        assert!(jobs[0].error.starts_with("poison: the server died 6 times"), "{}", jobs[0].error);
+        assert_eq!((jobs[0].state, jobs[1].state), (State::Failed, State::Queued), "an idle run was not the cause");
     }
 }

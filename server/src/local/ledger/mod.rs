@@ -317,7 +317,7 @@ impl Ledger for LocalLedger {
     }
 
     fn update_all_blocking(&self, records: Vec<Record>) -> Result<(), Refusal> {
-        self.write_blocking(move |txn| records.iter().try_for_each(|record| put(txn, record)))
+        self.write_blocking(move |tables| records.iter().try_for_each(|record| put(tables, record)))
     }
 
     fn end(&self, record: Record, log: Option<Bytes>, then: Then) {
