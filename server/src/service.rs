@@ -324,6 +324,7 @@ impl Service {
         let _ = tokio::task::spawn_blocking(move || {
             counts.note_all_left_out(true);
             closed.keep_time();
+            closed.keep_cleared();
             closed.ledger.close();
             closed.host.release();
             closed.close_exports();

@@ -318,7 +318,7 @@ impl Core {
     }
 
     /// Stores which suspects have been cleared, from a thread that may block.
-    pub(super) fn keep_cleared(&self) {
+    pub(crate) fn keep_cleared(&self) {
         let cleared = std::mem::take(&mut lock(&self.board.queue).cleared);
         if cleared.is_empty() {
             return;

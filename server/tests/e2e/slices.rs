@@ -7,6 +7,7 @@ use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_server::access::Role;
 use counterpoint_server::options::Options;
 use counterpoint_server::service;
+use redb::ReadableDatabase as _;
 use tonic::transport::Channel;
 
 use crate::guarded::*;
@@ -205,6 +206,37 @@ async fn jobs_that_a_crash_has_interrupted_do_not_hold_other_tenants() {
     cancel(&endless_one, &without_end).await;
     cancel(&stepping, &stepped).await;
     server.stop().await;
+}
+
+/// A job that has run alone after a crash is no suspect for later servers either, although it is held back.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_suspect_that_has_run_alone_stays_cleared_in_the_ledger() {
+    let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let options = Options { workers: 1, ..guarded(first.path()) };
+    let (server, [endless_one, late]) = Real::start(options.clone(), ["endless", "late"]).await;
+    let job = endless(&endless_one, "fanuc-mill", BLOCKS, limits()).await;
+    moves(&endless_one, &job).await;
+    let data = second.path().join("data");
+    copy(&options.data, &data);
+    server.stop().await;
+    let suspect = |data: &std::path::Path| {
+        let table = redb::TableDefinition::<&str, &[u8]>::new("job");
+        let database = redb::Database::open(data.join("ledger.redb")).unwrap();
+        let row = database.begin_read().unwrap().open_table(table).unwrap().get(job.as_str()).unwrap().unwrap();
+        String::from_utf8_lossy(row.value()).contains("\"suspect\":true")
+    };
+    let options = Options { data, ..options };
+    let (server, [endless_one, late]) = Real::again(options.clone(), [endless_one, late]).await;
+    moves(&endless_one, &job).await;
+    let during = second.path().join("during");
+    copy(&options.data, &during);
+    // Another tenant has its turn when the suspect has run alone for its time.
+    let tiny = late.submit("tiny", "fanuc-mill", TINY).await.unwrap().job_id;
+    assert_eq!(ends(&late, &tiny).await.state(), v1::JobState::Succeeded);
+    endless_one.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
+    server_until(&endless_one, &job, v1::JobState::Queued).await;
+    server.stop().await;
+    assert_eq!([suspect(&during), suspect(&options.data)], [true, false]);
 }
 
 /// After a crash, the runs that were suspended have counted as attempts, too.
