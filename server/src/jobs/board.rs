@@ -4,7 +4,6 @@
 //! server drains.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -14,10 +13,10 @@ use tokio::sync::watch;
 use super::feed::Feed;
 use super::live::{Live, lock};
 use super::recent::Recent;
+use super::suspicion::time_alone;
 use super::tally::Tally;
 use super::{Core, worker};
 use crate::clock::Clock;
-use crate::host::Mark;
 use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::memory::Memory;
 use crate::queue::{Entry, Look, Queue, Ticket};
@@ -26,12 +25,6 @@ use crate::reason::Refusal;
 /// First and longest pause before a job is run again after the host has failed its run.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
-/// Time for which a suspect runs alone after the server has died once. Each further death doubles it, so that a job that
-/// ends the server late is found, too.
-const ALONE: Duration = Duration::from_secs(5);
-/// Maximum number of times that it is doubled. Other jobs wait that long.
-const MOST_DOUBLINGS: u32 = 2;
-
 /// The queue, and places in it.
 #[derive(Debug)]
 pub(super) struct Waiting {
@@ -41,9 +34,9 @@ pub(super) struct Waiting {
     /// Jobs on workers that let others have their core.
     suspended: BTreeMap<String, Arc<Live>>,
     /// Jobs on workers that use no processor time, as their marks say.
-    idle: BTreeSet<String>,
+    pub(super) idle: BTreeSet<String>,
     /// Cleared suspects that the ledger still holds as suspects.
-    cleared: Vec<String>,
+    pub(super) cleared: Vec<String>,
 }
 
 /// Jobs in memory.
@@ -118,11 +111,6 @@ fn entry(live: &Live) -> Entry {
         (false, false) => {}
     });
     entry
-}
-
-/// Time for which a suspect runs alone, by the number of crashes at which it was at work.
-fn time_alone(crashes: u32) -> Duration {
-    ALONE * (1 << crashes.saturating_sub(1).min(MOST_DOUBLINGS))
 }
 
 fn push(queue: &mut dyn Queue, live: &Live, entry: Entry) {
@@ -308,62 +296,10 @@ impl Core {
         self.clear(queue);
     }
 
-    /// Ends the suspicion of jobs that the queue has cleared.
-    fn clear(&self, queue: &mut Waiting) {
-        let cleared = queue.jobs.take_cleared();
-        for live in cleared.iter().filter_map(|id| self.live(id)) {
-            live.change(|record| record.runs.suspect = false);
-        }
-        queue.cleared.extend(cleared);
-    }
-
-    /// Stores which suspects have been cleared, from a thread that may block.
-    pub(crate) fn keep_cleared(&self) {
-        let cleared = std::mem::take(&mut lock(&self.board.queue).cleared);
-        if cleared.is_empty() {
-            return;
-        }
-        if let Err(error) = self.ledger.clear_blocking(cleared.clone()) {
-            tracing::debug!(%error, "the end of a suspicion is stored later");
-            lock(&self.board.queue).cleared.extend(cleared);
-        }
-    }
-
     /// Removes a job that has ended from memory.
     pub(super) fn drop_ended(&self, id: &str) {
         lock(&self.board.queue).jobs.forget(id);
         self.board.live.remove(id);
-    }
-
-    /// Marks which runs use processor time: only these can end the server.
-    fn mark_working(&self, queue: &mut Waiting) {
-        let idle = queue.jobs.idle();
-        if idle == queue.idle {
-            return;
-        }
-        let running = queue.jobs.running();
-        let changed = idle.symmetric_difference(&queue.idle).filter(|id| running.contains(id));
-        for live in changed.filter_map(|id| self.live(id)) {
-            let attempt = live.peek(|record| record.runs.attempt);
-            let mark = Mark { id: live.id.clone(), attempt, works: !idle.contains(&live.id) };
-            // Without a mark the job is queued again if the server dies, and does not run alone.
-            if let Err(error) = self.host.mark(&mark) {
-                tracing::debug!(job = live.id, %error, "the run has no mark");
-            }
-        }
-        queue.idle = idle;
-    }
-
-    /// Marks a run that begins now, and sets its number and its start.
-    pub(super) fn begin_run(&self, live: &Live) -> io::Result<Record> {
-        // The number and the mark change together.
-        let queue = lock(&self.board.queue);
-        let attempt = live.peek(|record| record.runs.attempt) + 1;
-        self.host.mark(&Mark { id: live.id.clone(), attempt, works: !queue.idle.contains(&live.id) })?;
-        Ok(live.change(|record| {
-            (record.state, record.runs.started_ms) = (State::Running, now_ms().max(record.submitted_ms));
-            record.runs.attempt = attempt;
-        }))
     }
 
     /// A worker is free again: the job has ended, or the drain has interrupted it.
@@ -446,7 +382,7 @@ impl Core {
         ended.runs.limit = late(deadline);
         (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(Reached::Deadline));
         ended.error.clone_from(&ended.runs.limit);
-        if let Err(error) = self.ledger.update_blocking(ended.clone()) {
+        if let Err(error) = self.ledger.update_blocking(vec![ended.clone()]) {
             tracing::debug!(%error, "a job beyond its deadline is ended later");
             self.put_back(live);
             lock(&self.board.deadlines).insert((deadline, live.id.clone()));
@@ -532,11 +468,6 @@ pub(super) fn late(deadline: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_time_alone_doubles_up_to_twenty_seconds() {
-        assert_eq!([0, 1, 2, 3, 4, 100].map(|crashes| time_alone(crashes).as_secs()), [5, 5, 10, 20, 20, 20]);
-    }
 
     #[test]
     fn a_full_queue_has_places_for_tenants_that_have_few() {

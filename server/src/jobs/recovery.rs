@@ -38,7 +38,7 @@ impl Core {
             }
         }
         if !changed.is_empty() {
-            self.ledger.update_all_blocking(changed)?;
+            self.ledger.update_blocking(changed)?;
         }
         marks.keys().for_each(|id| self.host.unmark(id));
         for job in jobs {

@@ -192,11 +192,8 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Stores a new state of a job.
     async fn update(&self, record: Record) -> Result<(), Refusal>;
 
-    /// Same from a thread that may block.
-    fn update_blocking(&self, record: Record) -> Result<(), Refusal>;
-
     /// Stores new states of jobs, all of them or none, from a thread that may block.
-    fn update_all_blocking(&self, records: Vec<Record>) -> Result<(), Refusal>;
+    fn update_blocking(&self, records: Vec<Record>) -> Result<(), Refusal>;
 
     /// Notes that a job is to be cancelled, unless it has ended.
     async fn flag_cancel(&self, id: String) -> Result<(), Refusal>;

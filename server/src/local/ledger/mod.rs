@@ -44,7 +44,7 @@ use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
 pub(crate) use lost::{lost, lost_by, lost_for_good, not_lost};
-use rows::{get, next_job, parse, put, readable, same, take_out};
+use rows::{clear, get, next_job, parse, put, readable, same, take_out};
 use tables::Tables;
 use writer::{Operation, Place, Shared};
 
@@ -289,16 +289,7 @@ impl Ledger for LocalLedger {
     }
 
     fn clear_blocking(&self, ids: Vec<String>) -> Result<(), Refusal> {
-        self.write_blocking(move |tables| {
-            for id in &ids {
-                // A row that cannot be read is reported to its readers.
-                let Ok(Some(mut record)) = get(tables, id) else { continue };
-                if !record.state.ended() && std::mem::take(&mut record.runs.suspect) {
-                    put(tables, &record)?;
-                }
-            }
-            Ok(())
-        })
+        self.write_blocking(move |tables| clear(tables, &ids))
     }
 
     async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal> {
@@ -312,11 +303,7 @@ impl Ledger for LocalLedger {
         .await
     }
 
-    fn update_blocking(&self, record: Record) -> Result<(), Refusal> {
-        self.write_blocking(move |tables| put(tables, &record))
-    }
-
-    fn update_all_blocking(&self, records: Vec<Record>) -> Result<(), Refusal> {
+    fn update_blocking(&self, records: Vec<Record>) -> Result<(), Refusal> {
         self.write_blocking(move |tables| records.iter().try_for_each(|record| put(tables, record)))
     }
 

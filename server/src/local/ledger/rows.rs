@@ -51,6 +51,18 @@ fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
     }
 }
 
+/// Notes that jobs are no suspects any more, unless they have ended.
+pub(super) fn clear(tables: &Tables<'_>, ids: &[String]) -> Result<(), Refusal> {
+    for id in ids {
+        // A row that cannot be read is reported to its readers.
+        let Ok(Some(mut record)) = get(tables, id) else { continue };
+        if !record.state.ended() && std::mem::take(&mut record.runs.suspect) {
+            put(tables, &record)?;
+        }
+    }
+    Ok(())
+}
+
 /// Stores the row of a job; one that has ended is listed as such.
 pub(super) fn put(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     let bytes = seal::json(JOB.name(), &record.id, record)?;

@@ -1,0 +1,88 @@
+//! Suspicion: the marks of runs that the next server finds if this one dies, and the end of a suspicion.
+//!
+//! The marks of runs say which of them are at work. *Invariant:* a job that the queue has cleared is not a suspect, in
+//! memory at once and in the ledger by the next tick, unless its run is at work when the server dies.
+
+use std::io;
+use std::time::Duration;
+
+use super::Core;
+use super::board::Waiting;
+use super::live::{Live, lock};
+use crate::host::Mark;
+use crate::ledger::record::{Record, State, now_ms};
+
+/// Time for which a suspect runs alone after the server has died once. Each further death doubles it, so that a job that
+/// ends the server late is found, too.
+const ALONE: Duration = Duration::from_secs(5);
+/// Maximum number of times that it is doubled. Other jobs wait that long.
+const MOST_DOUBLINGS: u32 = 2;
+
+/// Time for which a suspect runs alone, by the number of crashes at which it was at work.
+pub(super) fn time_alone(crashes: u32) -> Duration {
+    ALONE * (1 << crashes.saturating_sub(1).min(MOST_DOUBLINGS))
+}
+
+impl Core {
+    /// Ends the suspicion of jobs that the queue has cleared.
+    pub(super) fn clear(&self, queue: &mut Waiting) {
+        let cleared = queue.jobs.take_cleared();
+        for live in cleared.iter().filter_map(|id| self.live(id)) {
+            live.change(|record| record.runs.suspect = false);
+        }
+        queue.cleared.extend(cleared);
+    }
+
+    /// Stores which suspects have been cleared, from a thread that may block.
+    pub(crate) fn keep_cleared(&self) {
+        let cleared = std::mem::take(&mut lock(&self.board.queue).cleared);
+        if cleared.is_empty() {
+            return;
+        }
+        if let Err(error) = self.ledger.clear_blocking(cleared.clone()) {
+            tracing::debug!(%error, "the end of a suspicion is stored later");
+            lock(&self.board.queue).cleared.extend(cleared);
+        }
+    }
+
+    /// Marks which runs use processor time: only these can end the server.
+    pub(super) fn mark_working(&self, queue: &mut Waiting) {
+        let idle = queue.jobs.idle();
+        if idle == queue.idle {
+            return;
+        }
+        let running = queue.jobs.running();
+        let changed = idle.symmetric_difference(&queue.idle).filter(|id| running.contains(id));
+        for live in changed.filter_map(|id| self.live(id)) {
+            let attempt = live.peek(|record| record.runs.attempt);
+            let mark = Mark { id: live.id.clone(), attempt, works: !idle.contains(&live.id) };
+            // Without a mark the job is queued again if the server dies, and does not run alone.
+            if let Err(error) = self.host.mark(&mark) {
+                tracing::debug!(job = live.id, %error, "the run has no mark");
+            }
+        }
+        queue.idle = idle;
+    }
+
+    /// Marks a run that begins now, and sets its number and its start.
+    pub(super) fn begin_run(&self, live: &Live) -> io::Result<Record> {
+        // The number and the mark change together.
+        let queue = lock(&self.board.queue);
+        let attempt = live.peek(|record| record.runs.attempt) + 1;
+        self.host.mark(&Mark { id: live.id.clone(), attempt, works: !queue.idle.contains(&live.id) })?;
+        Ok(live.change(|record| {
+            (record.state, record.runs.started_ms) = (State::Running, now_ms().max(record.submitted_ms));
+            record.runs.attempt = attempt;
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_alone_doubles_up_to_twenty_seconds() {
+        assert_eq!([0, 1, 2, 3, 4, 100].map(|crashes| time_alone(crashes).as_secs()), [5, 5, 10, 20, 20, 20]);
+    }
+}
