@@ -21,8 +21,8 @@ pub(crate) trait Host: Send + Sync + Debug {
     /// Free bytes for the server's storage; `None` if the system does not report them.
     fn free(&self) -> Option<u64>;
 
-    /// Marks a job as running, in place of its earlier mark. The mark is not made durable: it is for the server after one
-    /// that died, not for one after a power loss, which no job has caused.
+    /// Marks a job as running, in place of its earlier mark. The mark is not made durable: it is for the server after
+    /// one that died, not for one after a power loss, which no job has caused.
     fn mark(&self, mark: &Mark) -> io::Result<()>;
 
     /// Removes the mark of a job. One that stays may make the next server run the job alone.

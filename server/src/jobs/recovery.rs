@@ -1,8 +1,8 @@
 //! Recovery: the jobs that the previous server left unfinished are taken up again.
 //!
 //! The mark of a run says whether it was at work when the server died; the job of such a run is a suspect. *Invariant:*
-//! a crash is counted once, even if further servers die during their recovery. The jobs are stored in one transaction. A
-//! mark counts only if the ledger does not have the number of its run yet.
+//! a crash is counted once, even if further servers die during their recovery. The jobs are stored in one transaction.
+//! A mark counts only if the ledger does not have the number of its run yet.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -12,8 +12,8 @@ use super::live::{Live, lock};
 use crate::host::Mark;
 use crate::ledger::record::{Record, State, now_ms};
 
-/// Time for which a suspect runs alone after the server has died once. Each further death doubles it, so that a job that
-/// ends the server late is found, too.
+/// Time for which a suspect runs alone after the server has died once. Each further death doubles it, so that a job
+/// that ends the server late is found, too.
 const ALONE: Duration = Duration::from_secs(5);
 /// Maximum number of times that it is doubled. Other jobs wait that long.
 const MOST_DOUBLINGS: u32 = 2;

@@ -1,9 +1,10 @@
 //! Marks of running jobs, in one file that is written in place: a run makes and removes no file.
 //!
-//! A mark lies in a slot of its own, `<attempt> <id> <CRC-32 of both>`, followed by zeros. A `-` before the attempt says
-//! that the run uses no processor time; marks of earlier versions have no `-`, or no checksum. *Invariant:* a slot is written by one write
-//! within a page, so a process that is killed leaves each slot in its old or its new state. Nothing is made durable:
-//! the marks are for the server after one that died, not for one after a power loss, which no job has caused.
+//! A mark lies in a slot of its own, `<attempt> <id> <CRC-32 of both>`, followed by zeros. A `-` before the attempt
+//! says that the run uses no processor time. Marks of earlier versions have no `-`, or no checksum. *Invariant:* a slot
+//! is written by one write within a page, so a process that is killed leaves each slot in its old or its new state.
+//! Nothing is made durable: the marks are for the server after one that died, not for one after a power loss, which no
+//! job has caused.
 
 use std::collections::HashMap;
 use std::io::{self, Seek as _, SeekFrom, Write as _};

@@ -2,8 +2,8 @@
 //!
 //! One after another, they run alone before other jobs run: any other runs are suspended meanwhile. A suspect is
 //! cleared when it has run alone for its time, or when it stands and cannot harm the server. It then continues beside
-//! other jobs. A suspect whose run is stopped earlier has the rest of its time when it runs again. *Invariant:* suspects
-//! delay other jobs by at most the sum of their times alone, however often they are stopped.
+//! other jobs. A suspect whose run is stopped earlier has the rest of its time when it runs again. *Invariant:*
+//! suspects delay other jobs by at most the sum of their times alone, however often they are stopped.
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
