@@ -4,6 +4,7 @@
 //! request is on stable storage; jobs are ordered as they were accepted, regardless of the clock; a row that cannot be
 //! read is reported to callers that request it and hidden from all others.
 
+pub(crate) mod crashes;
 pub(crate) mod prefix;
 pub(crate) mod record;
 
