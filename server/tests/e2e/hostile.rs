@@ -168,8 +168,8 @@ async fn every_hostile_case_is_answered_by_name_and_the_server_stays_small() {
     ] {
         jobs.push((name, client.submit(name, machine, &program, Some(most())).await, limit, named));
     }
-    // The longest blocks that the server takes, again and again.
-    let long = [b"O1\nN1 ".as_slice(), &b"X1".repeat((1 << 19) - 8), b"\nGOTO 1\n"].concat();
+    // The longest blocks that the server takes, again and again: an alarm would end the job before its cancel.
+    let long = [b"O1\nN1 G4 P1 (".as_slice(), &b"X1".repeat((1 << 19) - 16), b")\nGOTO 1\n"].concat();
     let cancelled = client.submit("cancelled", "fanuc-mill", &long, Some(most())).await;
 
     // Case 8: connections that say nothing, begin to speak, or upload without end.
