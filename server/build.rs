@@ -7,7 +7,8 @@ use std::{env, fs, io};
 
 fn main() -> io::Result<()> {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("..");
-    let mut sources = vec![root.join("machines"), root.join("Cargo.lock"), root.join("server/src/log")];
+    let own = ["machines", "Cargo.lock", "proto/counterpoint", "server/src/log", "server/src/results"];
+    let mut sources: Vec<PathBuf> = own.iter().map(|part| root.join(part)).collect();
     for krate in sorted(&root.join("kernel"))? {
         sources.extend(["src", "Cargo.toml"].map(|part| krate.join(part)));
     }

@@ -1,6 +1,6 @@
-# Runs inside a throwaway copy of a Debian system: installs, uses, removes and purges /tmp/counterpoint.deb.
+# Runs inside a throwaway copy of a Debian system: installs, uses, removes and purges /run/counterpoint.deb.
 export DEBIAN_FRONTEND=noninteractive
-install_package() { dpkg -i /tmp/counterpoint.deb; }
+install_package() { dpkg -i /run/counterpoint.deb; }
 data=/var/lib/counterpoint
 
 install_package
@@ -29,7 +29,7 @@ echo "ok: ran a job"
 
 # The commands and the configuration of docs/security.md, with a free port; they need a certificate.
 if command -v openssl >/dev/null; then
-    fence() { sed -n "/^## Files/,/^## Identities/{/^\`\`\`$1\$/,/^\`\`\`\$/{/^\`\`\`/d;p}}" /tmp/security.md; }
+    fence() { sed -n "/^## Files/,/^## Identities/{/^\`\`\`$1\$/,/^\`\`\`\$/{/^\`\`\`/d;p}}" /run/security.md; }
     openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=localhost -addext subjectAltName=DNS:localhost \
         -addext basicConstraints=critical,CA:FALSE -keyout key.pem -out cert.pem 2>/dev/null
     fence sh >/tmp/guard.sh

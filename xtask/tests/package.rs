@@ -83,8 +83,8 @@ fn the_debian_package_installs_runs_and_keeps_the_data() {
         mount -t overlay overlay -o \"lowerdir=/,upperdir=$1/upper,workdir=$1/work\" \"$1\"/tree
         mount --bind /dev \"$1\"/tree/dev; mount -t proc proc \"$1\"/tree/proc; mount -t tmpfs tmpfs \"$1\"/tree/run
         mkdir -p \"$1\"/tree/tmp; mount -t tmpfs tmpfs \"$1\"/tree/tmp
-        cp \"$2\" \"$1\"/tree/tmp/counterpoint.deb; cp \"$3\" \"$1\"/tree/tmp/inside.sh
-        cp \"$4\" \"$1\"/tree/tmp/security.md
+        cp \"$2\" \"$1\"/tree/run/counterpoint.deb; cp \"$3\" \"$1\"/tree/run/inside.sh
+        cp \"$4\" \"$1\"/tree/run/security.md
         command -v dpkg >/dev/null; chroot \"$1\"/tree true; echo ready",
     );
     inside.arg("sh").arg(&layers).arg(&made[1]).arg(root().join("xtask/tests/installed.sh"));
@@ -100,7 +100,7 @@ fn the_debian_package_installs_runs_and_keeps_the_data() {
     }
     let script = inside.get_args().map(|part| part.to_string_lossy().into_owned()).collect::<Vec<_>>();
     let mut whole = Command::new("unshare");
-    whole.args(&script[..7]).arg(format!("{}; chroot \"$1\"/tree sh -e /tmp/inside.sh", script[7]));
+    whole.args(&script[..7]).arg(format!("{}; chroot \"$1\"/tree sh -e /run/inside.sh", script[7]));
     let text = done(whole.args(&script[8..]));
     let parts = ["installed", "ran a job", "guarded", "kept on remove", "kept on purge"];
     for part in parts.into_iter().chain(["removed as asked", "removed when empty"]) {

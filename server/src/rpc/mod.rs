@@ -73,8 +73,8 @@ fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
     core.job_of(caller.tenant(), id)
 }
 
-/// Does work that must not stop half way: it goes on to its end if the client ends the call, or at the deadline of the
-/// call. The line of the call in the audit log waits for that end.
+/// Completes a change that must not stop half way, even if the client ends the call or its deadline passes. The line of
+/// the call in the audit log is written after the change.
 async fn to_the_end<T: Send + 'static>(
     caller: &Caller,
     work: impl Future<Output = Result<T, Refusal>> + Send + 'static,

@@ -158,7 +158,7 @@ async fn a_change_whose_client_leaves_is_made_whole_and_noted_with_its_job() {
     let noted: Vec<_> = noted.iter().map(|(_, call, target, _)| (call.as_str(), target.clone())).collect();
     assert_eq!(noted, expected);
 
-    // What memory said is what the ledger has.
+    // The ledger has the states that the server has shown.
     let cut = Cut::start(options, &token).await;
     assert!(!cut.status(&held).await.paused);
     assert_eq!(cut.status(&running).await.state(), v1::JobState::Cancelled);

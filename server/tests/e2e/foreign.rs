@@ -37,7 +37,7 @@ impl Jobs {
         Self { all, asking, question, stepped }
     }
 
-    /// Everything that the owner is told about them.
+    /// All answers about these jobs that their owner gets.
     async fn seen(&self, owner: &As) -> Vec<v1::GetJobResponse> {
         let mut seen = Vec::new();
         for id in &self.all {
