@@ -1,8 +1,8 @@
-//! Recovery: the jobs that the previous server left unfinished are taken up again.
+//! Recovery: requeues the jobs that the previous server left unfinished.
 //!
-//! The mark of a run says whether it was at work when the server died; the job of such a run is a suspect. *Invariant:*
-//! a crash is counted once, even if further servers die during their recovery. The jobs are stored in one transaction.
-//! A mark counts only if the ledger does not have the number of its run yet.
+//! A mark shows whether its run was working when the server died; the job of such a run is a suspect. *Invariant:* a
+//! crash is counted once for each job, even if further servers die during recovery. To ensure this, the jobs are stored
+//! in one transaction, and a mark counts only if the ledger does not yet have the number of its run.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ impl Core {
                 tracing::info!(job = job.id, state = ?job.state, suspect = job.runs.suspect, "recovered");
             }
             if job.state.ended() {
-                // Of a run that did not reach its end.
+                // The log belongs to a run that did not reach its end.
                 self.logs.remove_log(&job.id)?;
             }
             if *job != before {
@@ -52,10 +52,10 @@ impl Core {
     }
 }
 
-/// The end of the previous server.
+/// The runs at the death of the previous server.
 struct Died<'a> {
     marks: &'a HashMap<String, Mark>,
-    /// Runs that were at work then.
+    /// Number of runs that were working.
     at_work: usize,
     /// Number of crashes after which a job is given up.
     attempts: u32,
@@ -67,7 +67,7 @@ impl<'a> Died<'a> {
         Self { at_work: jobs.iter().filter(|job| died.was_at_work(job)).count(), ..died }
     }
 
-    /// The mark of the run that died, unless the ledger has its number.
+    /// The mark of the interrupted run, unless the ledger already has its number.
     fn mark(&self, job: &Record) -> Option<&Mark> {
         self.marks.get(&job.id).filter(|mark| mark.attempt > job.runs.attempt)
     }
@@ -76,11 +76,11 @@ impl<'a> Died<'a> {
         job.state == State::Running || self.mark(job).is_some_and(|mark| mark.works)
     }
 
-    /// Sets the state to which a job returns. A job that ran alone may have ended the server.
+    /// Sets the state of a job after the crash. If a single run was working, that run may have caused the crash.
     fn recover(&self, job: &mut Record, clock: &Clock) {
         let (suspect, alone) = (self.was_at_work(job), self.at_work == 1);
         if let Some(mark) = self.mark(job) {
-            // An idle run was not the cause, and its job has been alone if it was a suspect.
+            // An idle run was not the cause. If its job was a suspect, the job has already run alone.
             (job.runs.attempt, job.runs.suspect) = (mark.attempt, false);
         }
         if suspect {
@@ -96,7 +96,7 @@ impl<'a> Died<'a> {
             job.runs.cause = Some(Cause::Host);
             job.error = error;
         } else {
-            // A suspect that was not running when another server died was not the cause.
+            // A suspect that was not running at the next crash was not the cause.
             job.runs.suspect = suspect || job.runs.suspect && self.at_work == 0;
             (job.state, job.runs.started_ms) = (State::Queued, 0);
         }
@@ -114,7 +114,7 @@ mod tests {
         ids.map(record).to_vec()
     }
 
-    /// The jobs after a server that left marks with these numbers; those of idle runs are negative.
+    /// Recovers the jobs of a server that left marks with these run numbers; numbers of idle runs are negative.
     fn after(jobs: &mut [Record], marks: &[(&str, i32)]) {
         let mark = |(id, attempt): &(&str, i32)| {
             let id = (*id).to_owned();

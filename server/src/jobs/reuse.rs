@@ -1,10 +1,11 @@
-//! Results of an equal job in the place of a run.
+//! Copies the results of an equal job instead of running a job.
 //!
-//! Jobs of one tenant are equal if they have the same machine with the same files, the same programs, files, options
-//! and limits, on the same version of the server. The later one gets a copy of the log and the files of the earlier
-//! one. *Invariants:* only a log that any other run would give again is copied (see [`Record::log_is_final`]), and
-//! only one that depends on nothing but the job; the copy has passed all checks of a reader. A job whose equal cannot be
-//! read runs.
+//! Two jobs of a tenant are equal if they have the same machine files, programs, files, options and limits, on the same
+//! version of the server. The later job gets a copy of the log and the files of the earlier job. If these cannot be
+//! read, the later job runs.
+//!
+//! *Invariants:* a log is copied only if every run of the job gives the same log (see [`Record::log_is_final`]) and the
+//! log depends on nothing but the job. The copy has passed all checks of a reader.
 
 use std::io::Read as _;
 use std::sync::{Arc, LazyLock};
@@ -30,7 +31,7 @@ use crate::results::Document;
 static VERSION: LazyLock<String> =
     LazyLock::new(|| format!("{} {}", env!("CARGO_PKG_VERSION"), env!("COUNTERPOINT_SOURCES")));
 
-/// All that the results of a job depend on.
+/// The inputs that determine the results of a job.
 #[derive(Serialize)]
 struct Content<'a> {
     version: &'a str,
@@ -42,12 +43,12 @@ struct Content<'a> {
     max_job_bytes: u64,
     /// Whether macros may start commands.
     system: bool,
-    /// Parts of the results that are kept.
+    /// Whether the log and the toolpath are kept.
     kept: [bool; 2],
 }
 
-/// The digest of all that the results of a job depend on, with the limits of its run; none if results of this job are
-/// not shared.
+/// The digest of the inputs that determine the results of a job, including the limits of its run; `None` if the results
+/// of this job are not shared.
 pub(super) fn digest_of(core: &Core, record: &Record, work: &Work, wall_ms: u64, max_job_bytes: u64) -> Option<String> {
     let embedded = core.options.embedded;
     if !core.options.retention.result_cache || embedded.ephemeral || record.attended || record.stepped {
@@ -68,7 +69,7 @@ pub(super) fn digest_of(core: &Core, record: &Record, work: &Work, wall_ms: u64,
     serde_json::to_vec(&content).ok().map(|content| digest(&content))
 }
 
-/// A job that ended with a digest, if a job with this record may use its results.
+/// An ended job with this digest whose results a job with this record may use.
 fn equal(core: &Core, record: &Record, digest: &str) -> Option<Record> {
     if record.asked.no_cache || !record.asked.rerun_of.is_empty() {
         return None;
@@ -78,7 +79,7 @@ fn equal(core: &Core, record: &Record, digest: &str) -> Option<Record> {
     found.ok().flatten().filter(|found| found.log_is_final() && found.tenant == record.tenant)
 }
 
-/// Gives a job the results of an equal one; none if it has to run.
+/// Gives a job the results of an equal job; `None` if the job must run.
 ///
 /// # Errors
 /// The copy cannot be stored.
@@ -90,7 +91,7 @@ pub(super) fn take(
 ) -> Result<Option<(Change, Option<Small>)>, Refusal> {
     let Some(from) = equal(core, record, digest) else { return Ok(None) };
     let Some((stored_bytes, log)) = copy(core, live, &from)? else {
-        // Watchers of a copy that was given up stay at their cursors.
+        // Watchers of an abandoned copy keep their cursors.
         live.tail().begin_again();
         core.logs.remove(&live.id)?;
         return Ok(None);
@@ -99,7 +100,7 @@ pub(super) fn take(
     Ok(Some((of_equal(from, stored_bytes, digest.to_owned()), log)))
 }
 
-/// The change of a record that has got the results of another one.
+/// The change to the record of a job that got the results of another job.
 fn of_equal(from: Record, stored_bytes: u64, digest: String) -> Change {
     Box::new(move |record| {
         record.state = from.state;
@@ -113,7 +114,7 @@ fn of_equal(from: Record, stored_bytes: u64, digest: String) -> Change {
     })
 }
 
-/// The log of an ended job is damaged or has been removed.
+/// The result of a read; `None`, with a warning, if the data of an ended job are damaged or removed.
 fn unreadable<T>(read: Result<T, Refusal>, from: &Record) -> Option<T> {
     read.inspect_err(|error| {
         tracing::warn!(%error, from = from.id, "the results of the equal job cannot be read; the job runs");
@@ -121,8 +122,8 @@ fn unreadable<T>(read: Result<T, Refusal>, from: &Record) -> Option<T> {
     .ok()
 }
 
-/// Copies log, files and stored results of an ended job; returns their bytes and the log, if it is small. None if they
-/// cannot be read, or if the job is to end meanwhile.
+/// Copies log, files and stored results of an ended job; returns their size in bytes and the log, if it is small.
+/// `None` if they cannot be read, or if the job is stopped during the copy.
 fn copy(core: &Arc<Core>, live: &Live, from: &Record) -> Result<Option<(u64, Option<Small>)>, Refusal> {
     let files = match from.runs.has_files {
         true => match unreadable(document(core, from, Document::Files), from) {
@@ -143,7 +144,7 @@ fn copy(core: &Arc<Core>, live: &Live, from: &Record) -> Result<Option<(u64, Opt
         stored += files.len() as u64;
     }
     if bytes >= RESULTS_FROM {
-        // Those that are missing are made from the log on request.
+        // Missing results are made from the log on request.
         for name in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
             let Ok(content) = document(core, from, name) else { continue };
             core.logs.write_spare(&live.id, name.file(), &content)?;
@@ -154,7 +155,7 @@ fn copy(core: &Arc<Core>, live: &Live, from: &Record) -> Result<Option<(u64, Opt
     Ok(Some((stored, log)))
 }
 
-/// Copies the log of an ended job; none if it cannot be read, or if the job is to end meanwhile.
+/// Copies the log of an ended job; `None` if it cannot be read, or if the job is stopped during the copy.
 fn copy_log(core: &Core, live: &Live, from: &Record) -> Result<Option<Writer>, Refusal> {
     let open = || {
         let Some(kept) = core.kept_log(&from.id)? else { return Err(gone(&from.id).into()) };
@@ -182,7 +183,7 @@ fn copy_log(core: &Core, live: &Live, from: &Record) -> Result<Option<Writer>, R
     }
 }
 
-/// A result that is stored beside a log.
+/// Reads a result that is stored beside a log.
 fn document(core: &Core, from: &Record, document: Document) -> Result<Vec<u8>, Refusal> {
     let mut content = Vec::new();
     core.logs.open(&from.id, document.file())?.read_to_end(&mut content)?;

@@ -1,7 +1,8 @@
-//! Suspicion: the marks of runs that the next server finds if this one dies, and the end of a suspicion.
+//! Suspicion: marks runs for the next server, in case this server dies, and clears suspects.
 //!
-//! The marks of runs say which of them are at work. *Invariant:* a job that the queue has cleared is not a suspect, in
-//! memory at once and in the ledger by the next tick, unless its run is at work when the server dies.
+//! The marks show which runs are working. *Invariant:* a job that the queue has cleared is no longer a suspect: at once
+//! in memory, and by the next tick in the ledger. The job becomes a suspect again if its run is working when the server
+//! dies.
 
 use std::io;
 use std::time::Duration;
@@ -12,19 +13,19 @@ use super::live::{Live, lock};
 use crate::host::Mark;
 use crate::ledger::record::{Record, State, now_ms};
 
-/// Time for which a suspect runs alone after the server has died once. Each further death doubles it, so that a job
-/// that ends the server late is found, too.
+/// Time for which a suspect runs alone after one crash. Each further crash doubles the time, so that a job that crashes
+/// the server late in its run is also found.
 const ALONE: Duration = Duration::from_secs(5);
-/// Maximum number of times that it is doubled. Other jobs wait that long.
+/// Maximum number of doublings. It bounds the time for which other jobs wait.
 const MOST_DOUBLINGS: u32 = 2;
 
-/// Time for which a suspect runs alone, by the number of crashes at which it was at work.
+/// Time for which a suspect runs alone after `crashes` crashes during its work.
 pub(super) fn time_alone(crashes: u32) -> Duration {
     ALONE * (1 << crashes.saturating_sub(1).min(MOST_DOUBLINGS))
 }
 
 impl Core {
-    /// Ends the suspicion of jobs that the queue has cleared.
+    /// Takes the jobs that the queue has cleared, and removes their suspicion in memory.
     pub(super) fn clear(&self, queue: &mut Waiting) {
         let cleared = queue.jobs.take_cleared();
         for live in cleared.iter().filter_map(|id| self.live(id)) {
@@ -33,7 +34,7 @@ impl Core {
         queue.cleared.extend(cleared);
     }
 
-    /// Stores which suspects have been cleared, from a thread that may block.
+    /// Stores the cleared suspects in the ledger, from a thread that may block.
     pub(crate) fn keep_cleared(&self) {
         let cleared = std::mem::take(&mut lock(&self.board.queue).cleared);
         if cleared.is_empty() {
@@ -45,7 +46,8 @@ impl Core {
         }
     }
 
-    /// Marks which runs use processor time: only these can end the server.
+    /// Updates the marks of runs that have started or stopped using processor time: only a working run can crash the
+    /// server.
     pub(super) fn mark_working(&self, queue: &mut Waiting) {
         let idle = queue.jobs.idle();
         if idle == queue.idle {
@@ -56,7 +58,7 @@ impl Core {
         for live in changed.filter_map(|id| self.live(id)) {
             let attempt = live.peek(|record| record.runs.attempt);
             let mark = Mark { id: live.id.clone(), attempt, works: !idle.contains(&live.id) };
-            // Without a mark the job is queued again if the server dies, and does not run alone.
+            // If the server dies, a job without a mark is queued again and does not run alone.
             if let Err(error) = self.host.mark(&mark) {
                 tracing::debug!(job = live.id, %error, "the run has no mark");
             }
@@ -64,9 +66,9 @@ impl Core {
         queue.idle = idle;
     }
 
-    /// Marks a run that begins now, and sets its number and its start.
+    /// Marks a run that starts now, and sets its number and its start time.
     pub(super) fn begin_run(&self, live: &Live) -> io::Result<Record> {
-        // The number and the mark change together.
+        // The lock keeps the number and the mark consistent.
         let queue = lock(&self.board.queue);
         let attempt = live.peek(|record| record.runs.attempt) + 1;
         self.host.mark(&Mark { id: live.id.clone(), attempt, works: !queue.idle.contains(&live.id) })?;

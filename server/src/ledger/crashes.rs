@@ -1,17 +1,17 @@
-//! Crashes of servers, counted for each job, and the number after which a job is given up.
+//! Server crashes, counted for each job, and the number after which a job is given up.
 //!
-//! *Invariant:* a crash counts only for jobs that were at work.
+//! *Invariant:* a crash counts only for jobs that were working.
 
 use serde::{Deserialize, Serialize};
 
-/// Crashes of servers while a job was at work: its run was not suspended and did not wait for a client.
+/// Server crashes while a job was working: its run was not suspended and did not wait for a client.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Crashes {
-    /// Number of crashes at which only this job was at work.
+    /// Number of crashes at which only this job was working.
     #[serde(rename = "crashes")]
     pub alone: u32,
-    /// Number of all such crashes.
+    /// Number of all crashes at which this job was working.
     #[serde(rename = "crashes_at_work")]
     pub at_work: u32,
 }
@@ -23,8 +23,8 @@ impl Crashes {
         self.alone = self.alone.saturating_add(u32::from(alone));
     }
 
-    /// Why a job is given up after these crashes, if it is: after as many as `attempts` alone, or three times as many
-    /// in all. The cause of the latter may be another job, but a server that dies again and again helps no job.
+    /// The reason for giving up a job, if its crashes reach a limit: `attempts` crashes while it was alone, or three
+    /// times as many in total. In the second case another job may be the cause, but repeated crashes help no job.
     pub(crate) fn poison(self, attempts: u32) -> Option<String> {
         let (attempts, Self { alone, at_work }) = (attempts.max(1), self);
         if alone >= attempts {
