@@ -6,13 +6,13 @@ use std::fmt::Debug;
 use std::io;
 use std::path::PathBuf;
 
-/// The run of a job, for the server after one that died.
+/// Mark of a run, read by the next server after a crash.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Mark {
     pub(crate) id: String,
     /// Number of the run.
     pub(crate) attempt: u32,
-    /// Whether the run uses processor time: otherwise it cannot end the server.
+    /// Whether the run uses processor time; an idle run cannot crash the server.
     pub(crate) works: bool,
 }
 
@@ -21,14 +21,14 @@ pub(crate) trait Host: Send + Sync + Debug {
     /// Free bytes for the server's storage; `None` if the system does not report them.
     fn free(&self) -> Option<u64>;
 
-    /// Marks a job as running, in place of its earlier mark. The mark is not made durable: it is for the server after
-    /// one that died, not for one after a power loss, which no job has caused.
+    /// Marks a job as running and replaces its earlier mark. The mark is not made durable: it is needed after a crash,
+    /// but not after a power loss, which no job has caused.
     fn mark(&self, mark: &Mark) -> io::Result<()>;
 
-    /// Removes the mark of a job. One that stays may make the next server run the job alone.
+    /// Removes the mark of a job. If the removal fails, the next server may run the job alone.
     fn unmark(&self, id: &str);
 
-    /// Runs of the server before this one, if it died.
+    /// Marks that the previous server left when it died.
     fn marks(&self) -> io::Result<Vec<Mark>>;
 
     /// Folder for files that are not needed after a restart.

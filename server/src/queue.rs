@@ -19,8 +19,8 @@ use crate::ledger::record::Priority;
 pub(crate) enum Entry {
     /// It was accepted then: after those of its tenant that are as urgent.
     Accepted(Instant),
-    /// It was running when the server before this one died: first, and alone for this time, or for the rest of its
-    /// time if it has run alone.
+    /// It was running when the previous server died: it goes first, and runs alone for this time, or for the rest of
+    /// its time if it has already run alone.
     Suspect(Duration),
     /// It waits for another run until then, and goes first.
     Again(Instant),
@@ -87,10 +87,10 @@ pub(crate) trait Queue: Send + Debug {
     /// Takes a job out; `false` if it does not wait.
     fn remove(&mut self, id: &str) -> bool;
 
-    /// A job has ended, so it is not a suspect any more.
+    /// Forgets an ended job, which is no longer a suspect.
     fn forget(&mut self, id: &str);
 
-    /// Suspects that have run alone for their time or stood since the last call; they are not suspects any more.
+    /// Jobs cleared since the last call: former suspects that have run alone for their time, or have paused.
     fn take_cleared(&mut self) -> Vec<String>;
 
     /// Jobs that are likely to run before this one; 0 if it does not wait.

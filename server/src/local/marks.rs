@@ -1,10 +1,9 @@
 //! Marks of running jobs, in one file that is written in place: a run makes and removes no file.
 //!
-//! A mark lies in a slot of its own, `<attempt> <id> <CRC-32 of both>`, followed by zeros. A `-` before the attempt
-//! says that the run uses no processor time. Marks of earlier versions have no `-`, or no checksum. *Invariant:* a slot
-//! is written by one write within a page, so a process that is killed leaves each slot in its old or its new state.
-//! Nothing is made durable: the marks are for the server after one that died, not for one after a power loss, which no
-//! job has caused.
+//! Each mark has its own slot, `<attempt> <id> <CRC-32 of both>`, followed by zeros. A `-` before the attempt means
+//! that the run uses no processor time. Marks of earlier versions have no `-`, or no checksum. *Invariant:* a slot is
+//! written by one write within a page, so a process that is killed leaves each slot in its old or its new state. Marks
+//! are not made durable: they are needed after a crash, but not after a power loss, which no job has caused.
 
 use std::collections::HashMap;
 use std::io::{self, Seek as _, SeekFrom, Write as _};
@@ -15,7 +14,7 @@ use super::disk::{Disk, Written};
 use super::named::Named as _;
 use crate::host::Mark;
 
-/// Before the attempt of a run that uses no processor time.
+/// Prefix of the attempt if the run uses no processor time.
 const IDLE: &str = "-";
 /// Bytes of a slot; a page holds a whole number of them.
 const SLOT: usize = 128;
@@ -81,7 +80,7 @@ impl Marks {
         written
     }
 
-    /// Removes the mark of a job. One that stays may make the next server run the job alone.
+    /// Removes the mark of a job. If the removal fails, the next server may run the job alone.
     pub(crate) fn unmark(&self, id: &str) {
         let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((slot, _)) = slots.taken.remove(id) {
@@ -108,7 +107,7 @@ impl Marks {
     }
 }
 
-/// The mark in a slot, if there is one.
+/// The mark in a slot, if the slot has a valid mark.
 fn read(slot: &[u8]) -> Option<Mark> {
     let text = slot.split(|byte| *byte == 0).next().and_then(|text| std::str::from_utf8(text).ok())?;
     let text = match text.rsplit_once(' ') {

@@ -1,8 +1,8 @@
 //! Suspects: jobs that were running when the previous server died.
 //!
 //! One after another, they run alone before other jobs run: any other runs are suspended meanwhile. A suspect is
-//! cleared when it has run alone for its time, or when it stands and cannot harm the server. It then continues beside
-//! other jobs. A suspect whose run is stopped earlier has the rest of its time when it runs again. *Invariant:*
+//! cleared when it has run alone for its time, or when it pauses and cannot crash the server. It then continues beside
+//! other jobs. A suspect whose run is stopped earlier keeps the rest of its time for its next run. *Invariant:*
 //! suspects delay other jobs by at most the sum of their times alone, however often they are stopped.
 
 use std::collections::{HashMap, VecDeque};
@@ -18,7 +18,7 @@ use crate::queue::Look;
 struct Suspect {
     id: String,
     tenant: Arc<str>,
-    /// Earliest time of its start; none = it may start at once.
+    /// Earliest start; `None` = at once.
     at: Option<Instant>,
 }
 
@@ -29,19 +29,19 @@ struct Alone {
     since: Instant,
 }
 
-/// All suspects, wherever they are.
+/// All suspects: waiting, running alone, or held back.
 #[derive(Debug, Default)]
 pub(super) struct Suspects {
     waiting: VecDeque<Suspect>,
     alone: Option<Alone>,
-    /// Time for which each of them is yet to run alone, also those that are held back.
+    /// Remaining time alone of each suspect, including suspects that are held back.
     left: HashMap<String, Duration>,
     /// Suspects that were cleared since the last call of `take_cleared`.
     cleared: Vec<String>,
 }
 
 impl Suspects {
-    /// Suspects a job; one that is suspected already keeps the rest of its time.
+    /// Makes a job a suspect; an existing suspect keeps the rest of its time.
     pub(super) fn suspect(&mut self, id: &str, alone: Duration) {
         self.left.entry(id.to_owned()).or_insert(alone);
     }
@@ -50,23 +50,23 @@ impl Suspects {
         self.left.contains_key(id)
     }
 
-    /// Lets a suspect wait, at least until `at`.
+    /// Queues a suspect; it starts at `at` or later.
     pub(super) fn push(&mut self, id: String, tenant: Arc<str>, at: Option<Instant>) {
         self.waiting.push_back(Suspect { id, tenant, at });
     }
 
-    /// Takes a waiting suspect out; returns its tenant.
+    /// Removes a waiting suspect; returns its tenant.
     pub(super) fn remove(&mut self, id: &str) -> Option<Arc<str>> {
         let at = self.before(id)?;
         self.waiting.remove(at).map(|suspect| suspect.tenant)
     }
 
-    /// Suspects that wait.
+    /// Number of waiting suspects.
     pub(super) fn len(&self) -> usize {
         self.waiting.len()
     }
 
-    /// Suspects that wait before this one; none if it does not wait.
+    /// Number of suspects that wait before this job; `None` if the job is not a waiting suspect.
     pub(super) fn before(&self, id: &str) -> Option<usize> {
         self.waiting.iter().position(|suspect| suspect.id == id)
     }
@@ -76,7 +76,7 @@ impl Suspects {
         self.alone.is_some()
     }
 
-    /// The run of a job is over. A suspect that has run alone for its time is cleared.
+    /// Ends the run of a job. A suspect that has run alone for its time is cleared.
     pub(super) fn stop(&mut self, id: &str, now: Instant) {
         let Some(alone) = self.alone.take_if(|alone| alone.id == id) else { return };
         match self.left.get_mut(id) {
@@ -88,7 +88,7 @@ impl Suspects {
         }
     }
 
-    /// Forgets a job that has ended.
+    /// Forgets an ended job.
     pub(super) fn forget(&mut self, id: &str) {
         self.left.remove(id);
     }
@@ -102,7 +102,7 @@ impl Suspects {
         self.cleared.push(id);
     }
 
-    /// Clears the suspect that runs alone if it may have company now.
+    /// Clears the suspect that runs alone if other jobs may now run beside it.
     fn clear_alone(&mut self, running: &[Run], now: Instant) {
         let left = &self.left;
         let over = self.alone.take_if(|alone| {
