@@ -1,6 +1,6 @@
 //! `counterpointd man`: man pages, made from the help texts.
 //!
-//! *Invariant:* each command has a page, named as the command with hyphens: `counterpointd-token-new.8`.
+//! *Invariant:* each command has a page, named after the command with hyphens: `counterpointd-token-new.8`.
 
 use std::io;
 use std::path::Path;

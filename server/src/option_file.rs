@@ -1,6 +1,7 @@
-//! Files that options name.
+//! Files named by options.
 //!
-//! *Invariant:* every error names the file and its option; if access is denied, also the user that needs it.
+//! *Invariant:* every error names the file and its option. If access is denied, the error also names the user that
+//! needs access.
 
 use std::fmt::Display;
 use std::io;
@@ -18,7 +19,7 @@ impl<'a> OptionFile<'a> {
         Self { option, path }
     }
 
-    /// The content of the file.
+    /// Reads the file.
     pub(crate) fn read(&self) -> Result<Vec<u8>, String> {
         std::fs::read(self.path).map_err(|error| match error.kind() {
             io::ErrorKind::PermissionDenied => self.wrong(format_args!("{error}; {}", remedy())),
@@ -26,20 +27,20 @@ impl<'a> OptionFile<'a> {
         })
     }
 
-    /// An error about the file.
+    /// An error message that names the file and its option.
     pub(crate) fn wrong(&self, error: impl Display) -> String {
         format!("'{}' (option {}): {error}", self.path.display(), self.option)
     }
 }
 
-/// Names the user that must be able to read the file.
+/// The remedy for denied access; it names the user that must be able to read the file.
 #[cfg(unix)]
 fn remedy() -> String {
     let user = rustix::process::geteuid();
     format!("the user of the server (uid {user}) must be able to read the file and enter its folder")
 }
 
-/// Names the user that must be able to read the file.
+/// The remedy for denied access; it names the user that must be able to read the file.
 #[cfg(not(unix))]
 fn remedy() -> String {
     "the user of the server must be able to read the file".to_owned()

@@ -1,7 +1,7 @@
 //! Options as a configuration file with a comment for each option.
 //!
-//! *Invariant:* the comments are the help texts of the flags, so every option that has a flag has a comment, and the
-//! file gives the same options again.
+//! *Invariant:* the comments are the help texts of the flags, so every option with a flag has a comment. Reading the
+//! file gives the same options.
 
 use clap::Args as _;
 use toml_edit::{DocumentMut, Item};
