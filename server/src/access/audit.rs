@@ -159,7 +159,7 @@ impl Audit {
     }
 
     fn write(&self, line: &Line<'_>) {
-        // A write that failed may have left a part of its line.
+        // A failed write may have left part of its line.
         let mut text = if self.failed.load(Ordering::Relaxed) { vec![b'\n'] } else { Vec::new() };
         if serde_json::to_writer(&mut text, line).is_err() {
             return;

@@ -68,7 +68,7 @@ pub(crate) fn name(path: &str) -> &'static str {
 /// Calls that are answered when the client or a job has done something, and streams that follow a job.
 const LASTING: &[&str] = &["WatchJob", "WaitJob", "Upload", "Attend", "WatchQuestions", "Debug"];
 
-/// Calls whose clients send messages as long as they last; the others include reflection, but not health checks.
+/// Calls whose clients may send messages until the call ends; `other` includes reflection, but not health checks.
 const SENDING: &[&str] = &["Upload", "Attend", "Debug", "other"];
 
 /// Whether a client of the call of a path may send any number of messages.
@@ -76,7 +76,7 @@ pub(crate) fn sends_many(path: &str) -> bool {
     SENDING.contains(&name(path)) && !is_of_health(path)
 }
 
-/// Whether the call of a path is one of the health service, which strangers may make.
+/// Whether a path belongs to the health service, which callers without an identity may use.
 pub(crate) fn is_of_health(path: &str) -> bool {
     path.starts_with("/grpc.health.v1.Health/")
 }

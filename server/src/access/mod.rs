@@ -81,10 +81,10 @@ pub(crate) struct Caller {
     targets: Arc<Targets>,
 }
 
-/// Notes the end of a call with its targets.
+/// Writes the end of a call with its targets to the audit log.
 type Note = Box<dyn FnOnce(Vec<String>) + Send>;
 
-/// The subjects of a call, and the note of a call that has ended without an answer: made when its work is over.
+/// The targets of a call. If the call ended without an answer, also its note, which is written when its work is over.
 #[derive(Default)]
 struct Targets {
     ids: Mutex<Vec<String>>,
@@ -136,7 +136,7 @@ impl Caller {
         self.lock().clone()
     }
 
-    /// Makes a note with the targets when all work of the call is over.
+    /// Calls `note` with the targets when all work of the call is over.
     pub(crate) fn note_at_the_end(&self, note: impl FnOnce(Vec<String>) + Send + 'static) {
         *self.targets.note.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(note));
     }

@@ -54,7 +54,8 @@ use unanswered::Unanswered;
 
 /// Largest message in either direction, bytes; for a compressed message, its size without compression.
 pub(crate) const MAX_MESSAGE: usize = 4 << 20;
-/// Largest message to the health service, bytes. It needs no identity, so it must not take memory from other calls.
+/// Maximum size of a message to the health service, bytes. This service needs no identity, so its messages must not
+/// take memory from other calls.
 pub(crate) const MAX_OF_HEALTH: usize = 4 << 10;
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
 const FRAME: u32 = 128 * 1024;
@@ -360,7 +361,7 @@ async fn answer(
     Ok(response.map(|body| Held::new(body, call, stay, taken).until(rights)))
 }
 
-/// Largest message of the call of a path, bytes, and the budget in which it counts: none for health checks.
+/// Maximum size of a message to the call of a path, bytes, and the budget that counts it: none for health checks.
 fn room(path: &str, memory: &Arc<Memory>) -> (usize, Arc<Memory>) {
     match calls::is_of_health(path) {
         true => (MAX_OF_HEALTH, Memory::new(0)),

@@ -1,7 +1,7 @@
 //! Calls that end without an answer.
 //!
-//! *Invariant:* a call that may have changed something has a line in the audit log, also if its client has ended it: when
-//! the work that the call has begun is over.
+//! *Invariant:* a call that may have changed something has a line in the audit log, even if its client has ended the
+//! call. The line is written when the work of the call is over.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -32,7 +32,7 @@ const ANSWERS: usize = 10_000;
 const STATES: usize = 16;
 const LEVELS: usize = 16;
 const CHANNELS: usize = 1000;
-/// Most warnings that a job switches off, and on.
+/// Maximum number of warnings that a job may switch off, and that it may switch on.
 const WARNINGS: usize = 1000;
 /// Most digests of a question.
 const DIGESTS: usize = 10_000;

@@ -38,7 +38,7 @@ fn counted<T>(answer: T, taken: Taken) -> Response<T> {
     response
 }
 
-/// Hands a job over; the audit log gets its id. Its memory is taken until then.
+/// Hands a job over and notes its id for the audit log; holds the memory `taken` until then.
 async fn submitted(
     core: &Arc<Core>,
     caller: &Caller,

@@ -106,7 +106,8 @@ pub(super) async fn each(
     to_the_end(caller, all.instrument(span)).await
 }
 
-/// Acts on jobs; returns the changed ones, in their order, and the first failure. The audit log gets the changed ones.
+/// Acts on jobs; returns the changed jobs, in their order, and the first failure. The changed jobs are noted for the
+/// audit log.
 async fn act_on(core: &Arc<Core>, caller: &Caller, ids: Vec<String>, act: Act) -> (Vec<String>, Option<Refusal>) {
     let (mut done, mut failed) = (Vec::new(), None);
     for group in ids.chunks(TOGETHER) {

@@ -57,9 +57,9 @@ pub(crate) struct Admin {
 /// Bytes of a chunk in streams of the server.
 const CHUNK: usize = 64 * 1024;
 
-/// Most bytes of the entries of a page, which is a single message.
+/// Maximum bytes of the entries of a page, which is a single message.
 const PAGE: usize = 3 << 20;
-/// Most bytes before an entry of a page: its field and its length.
+/// Maximum bytes before each entry of a page: field number and length.
 const HEAD: usize = 6;
 
 /// A response that is one chunk of a content.
@@ -73,8 +73,8 @@ fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
     core.job_of(caller.tenant(), id)
 }
 
-/// Completes a change that must not stop half way, even if the client ends the call or its deadline passes. The line of
-/// the call in the audit log is written after the change.
+/// Completes a change that must not stop halfway, even if the client ends the call or its deadline passes. The audit
+/// log gets the line of the call after the change.
 async fn to_the_end<T: Send + 'static>(
     caller: &Caller,
     work: impl Future<Output = Result<T, Refusal>> + Send + 'static,
@@ -88,7 +88,7 @@ async fn to_the_end<T: Send + 'static>(
     tokio::spawn(work.in_current_span()).await.map_err(|error| Refusal::Storage(error.to_string()))?
 }
 
-/// The first message of a client that sends many, unless it stalls.
+/// The first message of a client stream; an error if the stream stalls.
 async fn first<T>(core: &Core, messages: &mut Streaming<T>) -> Result<Option<T>, Status> {
     let seconds = core.options.connections.upload_stall_s;
     let first = tokio::time::timeout(Duration::from_secs(seconds), messages.message()).await;
@@ -96,7 +96,7 @@ async fn first<T>(core: &Core, messages: &mut Streaming<T>) -> Result<Option<T>,
 }
 
 /// The messages of a sorted list after the entry that `token` names, and the token of the next page. A page ends after
-/// `size` messages (0 = any number, otherwise at most `most`), or when its message would be too large.
+/// `size` messages (0 = any number, otherwise at most `most`), or before a message that would make it too large.
 fn page<T, M: Message>(
     all: &[T],
     (size, most): (u32, usize),
