@@ -45,8 +45,8 @@ impl fmt::Display for Damage {
 /// Examines the folder of a stopped server and repairs it if asked to. Returns every damage.
 ///
 /// # Errors
-/// When the folder cannot be examined: it is not there, it is not a data folder, a server uses it, or it cannot be
-/// read, or, for a repair, written.
+/// When the folder cannot be examined: it does not exist, is not a data folder, is in use by a server, or cannot be
+/// read. For a repair, also when it cannot be written.
 pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
     examine_on(folder, repair, Disk::default())
 }

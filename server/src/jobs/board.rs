@@ -33,7 +33,7 @@ pub(super) struct Waiting {
     reserved: HashMap<String, usize>,
     /// Jobs on workers that let others have their core.
     suspended: BTreeMap<String, Arc<Live>>,
-    /// Jobs on workers that use no processor time, as their marks say.
+    /// Jobs on workers whose marks say that they use no processor time.
     pub(super) idle: BTreeSet<String>,
     /// Cleared suspects that the ledger still holds as suspects.
     pub(super) cleared: Vec<String>,
@@ -296,7 +296,7 @@ impl Core {
         self.clear(queue);
     }
 
-    /// Removes a job that has ended from memory.
+    /// Removes an ended job from memory.
     pub(super) fn drop_ended(&self, id: &str) {
         lock(&self.board.queue).jobs.forget(id);
         self.board.live.remove(id);
@@ -394,7 +394,7 @@ impl Core {
         self.drop_ended(&live.id);
     }
 
-    /// Jobs in memory: those that wait or run.
+    /// Number of jobs in memory, which wait or run.
     pub(crate) fn unfinished_jobs(&self) -> usize {
         self.board.live.len()
     }

@@ -45,9 +45,9 @@ fn held_by(info: &Info) -> u64 {
 /// Parts of a job in the memory budget.
 #[derive(Debug, Default)]
 struct Counted {
-    /// Its share, until it has ended.
+    /// The memory of the job, until the job has ended.
     taken: Option<Taken>,
-    /// Its work for the first run, if that is small; otherwise a run reads it from the ledger.
+    /// Small work for the first run; otherwise a run reads the work from the ledger.
     work: Option<Work>,
 }
 
@@ -88,7 +88,7 @@ impl Live {
         Self::counted(record, None, None)
     }
 
-    /// A job whose memory is counted until it has ended; its work is given if that is small.
+    /// A job whose memory is counted until the job has ended; `work` is given if it is small.
     pub(super) fn counted(record: Record, taken: Option<Taken>, work: Option<Work>) -> Self {
         Self {
             counted: Mutex::new(Counted { taken, work }),
@@ -109,7 +109,7 @@ impl Live {
         }
     }
 
-    /// The small work that was kept, once.
+    /// Takes the small work that was kept in memory.
     pub(super) fn take_work(&self) -> Option<Work> {
         lock(&self.counted).work.take()
     }

@@ -253,7 +253,7 @@ impl Core {
         self.accepted(record, None)
     }
 
-    /// Same, with its work if that is small.
+    /// A job that is in memory from now on, with its work if the work is small.
     fn accepted(&self, record: Record, work: Option<Work>) -> Arc<Live> {
         let bytes = record.bytes() + work.as_ref().map_or(0, |_| Work::SMALL);
         let taken = self.board.memory.count(bytes);
@@ -367,7 +367,8 @@ impl Core {
         Ok(ended)
     }
 
-    /// Deletes an ended job. Of several calls at the same time one deletes it; for the others it is unknown.
+    /// Deletes an ended job. If several calls delete a job at the same time, one succeeds; for the other calls the job
+    /// is unknown.
     pub(crate) async fn delete(&self, id: &str) -> Result<(), Refusal> {
         let record = self.job(id)?;
         if !record.state.ended() {

@@ -1,9 +1,10 @@
 //! The desk of a job: dialogs that wait for the operator.
 //!
-//! Invariants: a question is answered once, by the first client; answers of an earlier run are answered again in the
-//! same order, so a job that is run again gives the same log; a question has the same id in every run, so an answer that
-//! is repeated reaches no other question; no question outlives the run, and none waits longer than the patience of the
-//! server.
+//! Invariants:
+//! * A question is answered once, by the first client.
+//! * Answers of an earlier run are given again in the same order, so a job that is run again gives the same log.
+//! * A question has the same id in every run, so a repeated answer reaches no other question.
+//! * No question outlives the run, and none waits longer than the patience of the server.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -32,7 +33,7 @@ struct Inner {
     /// Answers of runs before, by channel.
     recorded: HashMap<u16, VecDeque<Option<Answer>>>,
     open: BTreeMap<u64, Open>,
-    /// Questions of the run so far, by channel.
+    /// Number of questions of the run so far, by channel.
     asked: HashMap<u16, u64>,
     patience: Duration,
     closed: bool,
@@ -50,8 +51,8 @@ struct Open {
 }
 
 impl Inner {
-    /// The id of the next question of a channel: its number there, with the channel in the upper half, where channel 1
-    /// is 0 and the master is 1.
+    /// The id of the channel's next question: its number within the channel in the lower half, the channel in the upper
+    /// half. There channel 1 is 0 and the master is 1.
     fn next_id(&mut self, channel: u16) -> u64 {
         let asked = self.asked.entry(channel).or_default();
         *asked += 1;

@@ -185,7 +185,7 @@ struct Through {
     limit: String,
     reached: Option<Reached>,
     writer: Option<Writer>,
-    /// Digest for equal jobs; empty if they may not use these results.
+    /// Digest by which equal jobs find the results; empty if equal jobs may not use these results.
     digest: String,
 }
 
@@ -194,7 +194,7 @@ enum Ran {
     /// Nothing is to be stored but the state.
     Over(Change),
     Through(Box<Through>),
-    /// The results of an equal job have been copied.
+    /// Whether the results of an equal job have been copied.
     Reused(Change, Option<Small>),
     /// The job is held back.
     Paused,
@@ -331,7 +331,7 @@ impl Through {
     }
 }
 
-/// Makes log and files of a job durable.
+/// Makes the log and the files of a job durable.
 pub(super) fn seal(
     core: &Arc<Core>,
     live: &Live,

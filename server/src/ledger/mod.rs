@@ -193,7 +193,7 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Stores a new state of a job.
     async fn update(&self, record: Record) -> Result<(), Refusal>;
 
-    /// Stores new states of jobs, all of them or none, from a thread that may block.
+    /// Stores new states of jobs, either all or none, from a thread that may block.
     fn update_blocking(&self, records: Vec<Record>) -> Result<(), Refusal>;
 
     /// Notes that a job is to be cancelled, unless it has ended.
@@ -202,7 +202,7 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Notes whether a job is held back, unless it has ended.
     async fn flag_paused(&self, id: String, paused: bool) -> Result<(), Refusal>;
 
-    /// Notes that jobs are no suspects any more, unless they have ended, from a thread that may block.
+    /// Stores that jobs are no longer suspects, unless they have ended, from a thread that may block.
     fn clear_blocking(&self, ids: Vec<String>) -> Result<(), Refusal>;
 
     /// Stores the operator's answer, unless the job has ended.
@@ -218,7 +218,7 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Removes a job and its request id; `false` if it was removed before.
     async fn remove(&self, record: Record) -> Result<bool, Refusal>;
 
-    /// Removes ended jobs from a thread that may block; says of each whether it had not been removed before.
+    /// Removes ended jobs, from a thread that may block; returns for each job `false` if it was removed before.
     fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<Vec<bool>, Refusal>;
 
     /// Ended jobs beyond the retention limits, oldest first, with the time of their end.
@@ -236,7 +236,7 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// The job of a tenant that was accepted under a request id.
     fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<Record>, Refusal>;
 
-    /// The job of a tenant that ended last with a digest of all that its results depend on.
+    /// The most recently ended job of a tenant with this digest of its inputs.
     fn equal(&self, tenant: &str, digest: &str) -> Result<Option<Record>, Refusal>;
 
     /// A page of jobs. It takes a bounded time, however many jobs there are and however few are wanted.

@@ -1,9 +1,9 @@
 //! A job as the ledger keeps it: its [`Record`], which a status needs and which stays in memory while the job has not
 //! ended, and its [`Work`], which only a run needs.
 //!
-//! Invariants: the memory that a job takes while it waits does not depend on its `Work`, unless that is small; states
-//! only go forward (QUEUED → RUNNING → one of the three ends), except for a run that died or was interrupted by a
-//! shutdown: RUNNING → QUEUED.
+//! Invariants: the memory of a waiting job does not depend on its `Work`, unless the work is small. States only go
+//! forward (QUEUED → RUNNING → one of the three ends), except after a crash or a shutdown during a run:
+//! RUNNING → QUEUED.
 
 use std::collections::BTreeMap;
 
@@ -163,9 +163,9 @@ impl From<Finding> for Reason {
 pub struct Runs {
     /// Runs begun.
     pub attempt: u32,
-    /// When the last one began, milliseconds since 1970; 0 = none has begun, or the last one was dropped.
+    /// Start of the last run, milliseconds since 1970; 0 = no run has started, or the last run was discarded.
     pub started_ms: i64,
-    /// Crashes of servers.
+    /// Server crashes during the runs of the job.
     #[serde(flatten)]
     pub crashes: Crashes,
     /// It was running when the server died, and has not ended since: at first it runs alone.
@@ -198,7 +198,7 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// The last run was dropped: it does not count, and the job waits as if the run had not begun.
+    /// Discards the last run: it does not count, and the job waits as if the run had not started.
     pub(crate) fn drop_last(&mut self) {
         self.attempt = self.attempt.saturating_sub(1);
         self.started_ms = 0;
@@ -222,7 +222,7 @@ pub struct Asked {
     /// The signs by which its machine was guessed; empty = the client named it.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub guess: String,
-    /// It runs even if the results of an equal job are there.
+    /// The job runs even if the results of an equal job exist.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub no_cache: bool,
     /// Limits of the kernel that were requested, 0 = none; absent = none at all.
@@ -234,10 +234,10 @@ pub struct Asked {
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Reuse {
-    /// Digest of all that its results depend on, once equal jobs may use them; empty = they may not.
+    /// Digest of the inputs that determine the results, once equal jobs may use the results; empty = they may not.
     #[serde(rename = "result_digest", skip_serializing_if = "String::is_empty")]
     pub digest: String,
-    /// The job whose run has made its results; empty = a run of its own.
+    /// The job whose run made the results; empty = this job has run itself.
     #[serde(rename = "reused_from", skip_serializing_if = "String::is_empty")]
     pub from: String,
 }
@@ -262,10 +262,10 @@ pub(crate) struct Work {
 }
 
 impl Work {
-    /// Most bytes of a work that stays in memory until the first run.
+    /// Maximum bytes of a work that stays in memory until the first run.
     pub(crate) const SMALL: u64 = 1024;
 
-    /// Whether it stays in memory: a few files, and neither answers nor parameters.
+    /// Whether the work is small enough to stay in memory: a few files, and neither answers nor parameters.
     pub(crate) fn is_small(&self) -> bool {
         const FILE: usize = 128;
         let own = self.files.iter().map(|(path, digest)| FILE + path.len() + digest.len());
@@ -305,7 +305,7 @@ pub struct Record {
     /// Further requests.
     #[serde(flatten)]
     pub asked: Asked,
-    /// Its results, if they are shared.
+    /// Results shared with equal jobs.
     #[serde(flatten)]
     pub reuse: Reuse,
     /// State.

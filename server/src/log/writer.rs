@@ -87,7 +87,7 @@ impl Writer {
         Self { axes, ..Self::of_copy(job, place, tail, description) }
     }
 
-    /// Starts the log of a job that gets the events of another one as they are.
+    /// Starts the log of a job that receives unchanged copies of another job's events.
     pub(crate) fn of_copy(job: &str, place: Box<dyn Place>, tail: Arc<Tail>, description: &[u8]) -> Self {
         let sums = Sums::of_log(job);
         let axes = Vec::new();
@@ -119,7 +119,7 @@ impl Writer {
         self.flush_old()
     }
 
-    /// Appends an encoded batch behind the events that are there.
+    /// Appends an encoded batch after the existing events.
     pub(crate) fn copy(&mut self, first: u64, last: u64, body: &[u8]) -> io::Result<()> {
         self.close_record();
         self.buffer.extend_from_slice(&Frame::of(self.sums, body, first, last).to_bytes());

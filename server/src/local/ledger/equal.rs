@@ -1,7 +1,7 @@
-//! Ended jobs by the digest of all that their results depend on.
+//! Ended jobs by the digest of the inputs that determine their results.
 //!
-//! *Invariant:* a row is only a hint: the job that it names counts only if the job's own row, which has a checksum, has
-//! the same digest. So a row that is wrong or missing costs a run, and changes no result.
+//! *Invariant:* a row is only a hint. The named job is used only if its own row, which has a checksum, has the same
+//! digest. So a wrong or missing row costs a run, but changes no result.
 
 use std::collections::BTreeMap;
 
@@ -16,13 +16,13 @@ use crate::tenant;
 /// Tenant and digest → the last job that ended with it.
 pub(super) const EQUAL: TableDefinition<'_, &str, &str> = TableDefinition::new("equal_jobs");
 
-/// The key of the row of a job; none if other jobs may not use its results.
+/// The key of a job's row; `None` if other jobs may not use its results.
 fn key(record: &Record) -> Option<String> {
     let usable = record.state.ended() && !record.reuse.digest.is_empty();
     usable.then(|| tenant::key(&record.tenant, &record.reuse.digest))
 }
 
-/// Notes a job that has ended.
+/// Adds the row of an ended job.
 pub(super) fn add(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     if let Some(key) = key(record) {
         tables.equal()?.insert(key.as_str(), record.id.as_str()).map_err(storage)?;
@@ -30,7 +30,7 @@ pub(super) fn add(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Forgets a job.
+/// Removes the row of a job.
 pub(super) fn remove(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     let Some(key) = key(record) else { return Ok(()) };
     let mut table = tables.equal()?;
@@ -41,7 +41,7 @@ pub(super) fn remove(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal
     Ok(())
 }
 
-/// The job of a tenant that ended last with a digest.
+/// The most recently ended job of a tenant with this digest.
 pub(super) fn find(txn: &ReadTransaction, tenant: &str, digest: &str) -> Result<Option<Record>, Refusal> {
     let row = tenant::key(tenant, digest);
     let table = txn.open_table(EQUAL).map_err(storage)?;
@@ -52,7 +52,7 @@ pub(super) fn find(txn: &ReadTransaction, tenant: &str, digest: &str) -> Result<
     Ok(job.filter(|job| job.id == id && key(job).as_ref() == Some(&row)))
 }
 
-/// Lists all jobs anew.
+/// Rebuilds the rows of all jobs.
 pub(super) fn list_all(txn: &WriteTransaction) -> Result<(), Refusal> {
     txn.open_table(EQUAL).map_err(storage)?.retain(|_, _| false).map_err(storage)?;
     let tables = Tables::of(txn);

@@ -26,10 +26,10 @@ pub(super) fn readable<T: serde::de::DeserializeOwned>(table: Rows<'_>, key: &st
     parse(table, key, row).inspect_err(|error| tracing::error!(%error, "a row of the ledger is left out")).ok()
 }
 
-/// Time by which the clock may go back without being seen in the times of submits, ms.
+/// Maximum step back of the clock that the times of submits hide, ms.
 const MOST_BACK_MS: i64 = 60_000;
 
-/// The next identity, ascending in the order of acceptance, and the time of the submit, ms since 1970. `now` has the
+/// The next identity, ascending in order of acceptance, and the time of the submit, ms since 1970. `now` contains the
 /// time of the clock, which may have been set back.
 pub(super) fn next_job(tables: &Tables<'_>, now: Uuid) -> Result<(String, i64), Refusal> {
     let table = tables.job()?;
@@ -37,7 +37,7 @@ pub(super) fn next_job(tables: &Tables<'_>, now: Uuid) -> Result<(String, i64), 
     Ok((after(last, now).to_string(), submitted_ms(last.map_or(0, time_of), time_of(now))))
 }
 
-/// Time of a submit when the clock shows `now_ms` and the last identity has `last_ms`: not before that, unless the
+/// Time of a submit when the clock shows `now_ms` and the last identity has `last_ms`: at least `last_ms`, unless the
 /// clock was so far ahead that the times of all later jobs would be wrong.
 fn submitted_ms(last_ms: i64, now_ms: i64) -> i64 {
     if last_ms.saturating_sub(now_ms) <= MOST_BACK_MS { now_ms.max(last_ms) } else { now_ms }
@@ -51,10 +51,10 @@ fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
     }
 }
 
-/// Notes that jobs are no suspects any more, unless they have ended.
+/// Stores that jobs are no longer suspects, unless they have ended.
 pub(super) fn clear(tables: &Tables<'_>, ids: &[String]) -> Result<(), Refusal> {
     for id in ids {
-        // A row that cannot be read is reported to its readers.
+        // A damaged row is reported when the job is read.
         let Ok(Some(mut record)) = get(tables, id) else { continue };
         if !record.state.ended() && std::mem::take(&mut record.runs.suspect) {
             put(tables, &record)?;
@@ -77,7 +77,7 @@ pub(super) fn put(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     usage::ended(tables, record, bytes, before)
 }
 
-/// Removes an ended job with all that belongs to it; `false` if it is gone already.
+/// Removes an ended job with all its rows; `false` if the job was removed before.
 pub(super) fn take_out(tables: &Tables<'_>, id: &str, ended_ms: i64) -> Result<bool, Refusal> {
     let bytes = retention::unlist(tables, id, ended_ms)?;
     let row = tables.job()?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());

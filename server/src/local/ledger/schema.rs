@@ -36,7 +36,7 @@ pub(super) fn migrate(txn: &WriteTransaction, store: &Store) -> Result<Option<u6
     txn.open_table(JOB).map_err(storage)?;
     txn.open_table(REQUEST).map_err(storage)?;
     txn.open_table(MACHINE).map_err(storage)?;
-    // A version without it leaves rows that name no job.
+    // A version without this table may leave rows that name deleted jobs.
     txn.open_table(equal::EQUAL).map_err(storage)?;
     let done = before.unwrap_or(1).saturating_sub(1);
     for step in STEPS.iter().skip(usize::try_from(done).unwrap_or(usize::MAX)) {

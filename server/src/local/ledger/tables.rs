@@ -1,7 +1,7 @@
 //! The tables of a transaction, each opened once for all operations of a group.
 //!
-//! To open and to close a table costs as much as to change a row. *Invariant:* a table is opened here or by the
-//! transaction itself, never by both at the same time: [`Tables::alone`] closes all tables first.
+//! Opening and closing a table costs as much as changing a row. *Invariant:* a table is open here or in the transaction
+//! itself, never in both at the same time: [`Tables::alone`] closes all tables first.
 
 use std::cell::{RefCell, RefMut};
 
