@@ -1,6 +1,6 @@
 """Calls of a server.
 
-Invariants: a call is repeated only if repeating it does not change its effect. No error of gRPC leaves a call.
+Invariants: a call is repeated only if repeating it does not change its effect. No gRPC error leaves a call.
 """
 
 import random
@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 class Patience:
-    """Pauses between failures in a row, until they have lasted for a time."""
+    """Pauses between successive failures, up to a total time."""
 
     def __init__(self, limit: float) -> None:
         self._limit = limit
@@ -26,7 +26,7 @@ class Patience:
         self._since: Optional[float] = None
 
     def succeeded(self) -> None:
-        """Ends a row of failures."""
+        """Ends a series of failures."""
         self._failures, self._since = 0, None
 
     def failed(self, least: Optional[float]) -> Optional[float]:

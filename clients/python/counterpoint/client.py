@@ -26,8 +26,8 @@ class Client(Watching, Results):
 
     address: HOST:PORT, http://HOST:PORT or https://HOST:PORT; otherwise COUNTERPOINT_SERVER, otherwise
     http://127.0.0.1:7878. HOST:PORT means https if an argument or COUNTERPOINT_CA has certificates. token: sent with
-    every call; otherwise COUNTERPOINT_TOKEN. ca: PEM file of the authorities that the server's certificate is checked
-    with; otherwise COUNTERPOINT_CA, otherwise those of the system. certificate, key: PEM files that identify the
+    every call; otherwise COUNTERPOINT_TOKEN. ca: PEM file of the authorities that may sign the server's certificate;
+    otherwise COUNTERPOINT_CA, otherwise the authorities of the system. certificate, key: PEM files that identify the
     client; otherwise COUNTERPOINT_CLIENT_CERT and COUNTERPOINT_CLIENT_KEY. credentials: replace ca, certificate and
     key. patience: seconds after which a call that always fails gives up. reach: seconds within which the server must
     answer for the first time.
@@ -76,7 +76,7 @@ class Client(Watching, Results):
         not ended by then fails with the cause LIMIT.
 
         When this returns, the job is on the disk of the server. The request is repeated with its id after a lost
-        connection, so the job is accepted once. To repeat it yourself with a request_id, give the deadline as a
+        connection, so the job is accepted once. To repeat a submit yourself with a request_id, give the deadline as a
         datetime. Raises ValueError if two files of one name differ, UnknownMachine, and Refused.
         """
         pack = Pack()
@@ -112,7 +112,7 @@ class Client(Watching, Results):
     ) -> str:
         """Submits a job again with the same files, options and machine revision; returns the id of the new job.
 
-        labels, priority: otherwise those of the earlier job. deadline: otherwise none.
+        labels, priority: default to those of the earlier job. deadline: none by default.
         """
         request = jobs_pb2.RerunJobRequest(
             job_id=job,
@@ -124,13 +124,13 @@ class Client(Watching, Results):
         return self._call(self._jobs.RerunJob, request).status.job_id
 
     def status(self, job: str) -> jobs_pb2.JobStatus:
-        """The status of a job now."""
+        """The current status of a job."""
         return self._call(self._jobs.GetJob, jobs_pb2.GetJobRequest(job_id=job)).status
 
     def wait(self, job: str, timeout: Optional[float] = None) -> jobs_pb2.JobStatus:
         """Waits for the end of a job, without events; returns its status.
 
-        timeout: longest wait, s. Raises TimeoutError after it, and JobFailed if the job could not be run.
+        timeout: maximum wait, s; then raises TimeoutError. Raises JobFailed if the job could not be run.
         """
         until = None if timeout is None else time.monotonic() + timeout
         while True:
@@ -152,7 +152,7 @@ class Client(Watching, Results):
         until: Optional[When] = None,
         newest_first: bool = False,
     ) -> Iterator[jobs_pb2.JobStatus]:
-        """Jobs in order of acceptance, page by page as they are used.
+        """Jobs in order of acceptance; pages are read as needed.
 
         states: queued, running, succeeded, failed, cancelled, paused; none = all. labels: all must match. since, until:
         time of acceptance; a timedelta counts from now, so timedelta(hours=-1) is an hour ago.

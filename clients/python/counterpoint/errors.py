@@ -1,6 +1,6 @@
 """Errors of the client.
 
-Invariant: no error of gRPC leaves the package. A call ends with a result, Refused, or Unreachable.
+Invariant: no gRPC error leaves the package. A call ends with a result, Refused, or Unreachable.
 """
 
 from typing import Dict, List, NamedTuple, Optional
@@ -15,7 +15,7 @@ DETAILS = "grpc-status-details-bin"
 
 
 class FieldError(NamedTuple):
-    """A field of a request that is wrong, or a place in a file."""
+    """An invalid field of a request, or a place in a file."""
 
     field: str
     text: str
@@ -39,7 +39,7 @@ class Refused(Exception):
         fields: Optional[List[FieldError]] = None,
         details: Optional[Dict[str, str]] = None,
     ) -> None:
-        # All of them, so that the exception can be sent to another process.
+        # All arguments, so that the exception can be sent to another process.
         super().__init__(reason, code, message, retry_after, fields, details)
         self.reason = reason
         self.code = code
@@ -61,7 +61,7 @@ class Unreachable(ConnectionError):
 
 
 class JobFailed(Exception):
-    """The job could not be run at all. status: its status, with findings; None if it is not known."""
+    """The job could not be run at all. status: its status with findings; None if unknown."""
 
     def __init__(self, text: str, status: Optional[jobs_pb2.JobStatus] = None) -> None:
         super().__init__(text)
@@ -69,7 +69,7 @@ class JobFailed(Exception):
 
 
 def refused(error: grpc.RpcError) -> Refused:
-    """The refusal that an error of gRPC carries."""
+    """The refusal in a gRPC error."""
     details = _details(error)
     info = refusal_pb2.ErrorInfo.FromString(details.get("ErrorInfo", b""))
     violations = refusal_pb2.BadRequest.FromString(details.get("BadRequest", b"")).field_violations

@@ -1,4 +1,4 @@
-"""Files of a job: each has a name in the job and a content named by its digest."""
+"""Files of a job: each has a name in the job, and content identified by its digest."""
 
 import hashlib
 import pathlib
@@ -22,7 +22,7 @@ class Pack:
         return self._add(named(programs))
 
     def others(self, files: Files) -> None:
-        """Adds files that the programs call; a folder adds all its files, without those of its folders."""
+        """Adds files that the programs call; a folder adds its own files, but not those of its subfolders."""
         if isinstance(files, Mapping):
             self._add(files.items())
             return

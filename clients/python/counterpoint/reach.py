@@ -16,7 +16,7 @@ PROXIES = ("grpc_proxy", "https_proxy", "http_proxy")
 
 
 def why(settings: Settings, timeout: float) -> Optional[str]:
-    """The cause of a failure; None if it is not known. timeout: of each step, s."""
+    """The cause of a failure; None if unknown. timeout: of each step, s."""
     cause = _why_direct(settings, timeout)
     proxy = next((name for name in PROXIES if os.environ.get(name)), None)
     if cause is None and proxy:
@@ -76,7 +76,7 @@ def _why_refused(settings: Settings) -> str:
 
 
 def _answers(connection: socket.socket) -> bool:
-    """Whether the other side speaks HTTP/2."""
+    """Whether the server speaks HTTP/2."""
     try:
         connection.sendall(PREFACE)
         head = connection.recv(9)

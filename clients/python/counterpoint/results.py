@@ -64,7 +64,7 @@ class Results(Calls):
         return list(self._call(self._results.ListFiles, results_pb2.ListFilesRequest(job_id=job)).files)
 
     def file(self, job: str, path: str) -> bytes:
-        """Content of one of these files."""
+        """Content of a written file."""
         return self._whole(self._results.GetFile, results_pb2.GetFileRequest(job_id=job, path=path))
 
     def _timeline(self, job: str, form: "results_pb2.DrawingFormat.ValueType") -> bytes:

@@ -1,6 +1,6 @@
 """The address of the server, the identity of the caller, and certificates.
 
-Arguments take precedence over the environment, which has the variables of the command line counterpoint.
+Arguments take precedence over the environment variables, which the command line `counterpoint` also reads.
 Invariant: no text of this module shows the token.
 """
 
@@ -64,7 +64,7 @@ def resolve(
     if scheme == "https" and credentials is None:
         context, credentials, has_certificate = _tls(ca, certificate, key)
     elif credentials is not None:
-        # Whom the credentials trust is unknown here.
+        # The trusted authorities of the credentials are unknown here.
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
         context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
     place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

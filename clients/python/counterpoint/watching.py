@@ -9,7 +9,7 @@ from .calls import Calls, Patience
 from .errors import JobFailed
 from .v1 import event_pb2, jobs_pb2
 
-#: Longest time without a message on a watch, s.
+#: Maximum time without a message on a watch, s.
 HEARTBEAT_S = 5.0
 
 
@@ -39,7 +39,7 @@ Show = Callable[[List[Progress]], None]
 
 
 def print_progress(channels: Sequence[Progress]) -> None:
-    """Shows progress on standard error: on a terminal one line that is overwritten."""
+    """Shows progress on standard error; on a terminal it overwrites one line."""
     parts = [
         f"{c.channel} {c.percent:3.0f} % block {c.blocks} {c.simulated_s:.1f} s {c.waiting_for or c.state}"
         for c in channels
@@ -81,7 +81,7 @@ class Watching(Calls):
     def watch(
         self, job: str, progress: Optional[Show] = None, event: Optional[Callable[[Event], None]] = None
     ) -> jobs_pb2.JobStatus:
-        """Follows a job to its end; calls progress and event with each that arrives. Raises JobFailed."""
+        """Follows a job to its end; calls progress and event for each arriving message. Raises JobFailed."""
         for message in self.events(job):
             content = message.WhichOneof("content")
             if content == "progress" and progress and message.progress.channels:

@@ -20,7 +20,7 @@ def cause_name(status: jobs_pb2.JobStatus) -> str:
 
 
 def limit_name(status: jobs_pb2.JobStatus) -> str:
-    """The limit that stopped a job, for example WALL_MS or DEADLINE; empty if no limit did."""
+    """The limit that stopped a job, for example WALL_MS or DEADLINE; empty if no limit stopped it."""
     return jobs_pb2.JobLimit.Name(status.limit).replace("JOB_LIMIT_", "").replace("UNSPECIFIED", "")
 
 
