@@ -1,5 +1,5 @@
-//! Gives the server a digest of the sources that make the results of a job, so that results kept by another version are
-//! not taken for its own.
+//! Gives the server a digest of the sources that determine the results of a job, so that it does not reuse results of
+//! another version.
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};

@@ -839,7 +839,7 @@ fn an_equal_job_on_a_server_has_the_results_of_the_first() {
         assert_eq!(code(&output), 0, "{arguments:?}: {text} {}", String::from_utf8_lossy(&output.stderr));
         text
     };
-    // The job, and the job whose results it has.
+    // The job, and the job that made its results.
     let job = |arguments: &[&str]| {
         let id = call(&[&["submit"], arguments].concat());
         let status: serde_json::Value = serde_json::from_str(&call(&["wait", &id, "--json"])).unwrap();

@@ -30,7 +30,7 @@ struct Python {
 }
 
 impl Python {
-    /// None: the interpreter does not have the packages.
+    /// `None` if the interpreter does not have the packages.
     fn new(folder: &Path) -> Option<Self> {
         let interpreter = std::env::var("COUNTERPOINT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
         let probe = Command::new(&interpreter).args(["-c", "import grpc, grpc_tools, mypy_protobuf"]).output();

@@ -337,7 +337,7 @@ fn the_server_reads_the_tables_of_the_chart() {
     assert_eq!((hook.url.as_str(), hook.tenants.len()), ("https://mes.example/?a=1&b=2", 2));
 }
 
-/// Prometheus gets the job of the rules, and monitoring, which has no identities, stays inside the cluster.
+/// The monitor has the job label of the rules, and monitoring, which has no identities, stays inside the cluster.
 #[test]
 fn monitoring_has_the_job_of_the_rules_and_a_service_inside_the_cluster() {
     let parts = chart(|values| {

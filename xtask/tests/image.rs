@@ -60,7 +60,7 @@ fn steps(file: &str) -> String {
     script
 }
 
-/// COPY of a file of `deploy`, whose path is `$4`, or from the first stage: a folder has its contents copied, and a
+/// COPY of a file of `deploy`, whose path is `$4`, or from the first stage. It copies the contents of a folder, and a
 /// new target belongs to the user.
 fn copy(operands: &str) -> String {
     if let Some(source) = operands.strip_prefix("deploy/") {

@@ -116,7 +116,7 @@ impl Mix {
 }
 
 fn job(row: Row, folder: &Path, bad: &dyn Fn(String) -> Error) -> Result<Job, Error> {
-    // Each job runs, although all of a row are equal.
+    // Every job runs, although the jobs of a row are equal.
     let options = Some(v1::JobOptions { no_cache: true, ..Default::default() });
     let mut request = v1::SubmitJobRequest { machine: row.machine, options, ..Default::default() };
     let mut blobs = Vec::new();

@@ -12,7 +12,7 @@ fn authority(file: &Path) -> Issuer<'static, KeyPair> {
     let key = KeyPair::generate().unwrap();
     let mut params = CertificateParams::new(vec![]).unwrap();
     params.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
-    // OpenSSL takes a certificate whose subject has the name of its issuer for a self-signed one.
+    // OpenSSL treats a certificate with the same subject and issuer as self-signed.
     params.distinguished_name.push(DnType::CommonName, file.display().to_string());
     std::fs::write(file, params.self_signed(&key).unwrap().pem()).unwrap();
     Issuer::new(params, key)

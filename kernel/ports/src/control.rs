@@ -174,13 +174,13 @@ impl Control {
         self.reached.get().copied()
     }
 
-    /// Notes that the run depends on more than the job: an operator was asked, or the operating system was given a
-    /// command.
+    /// Records that the run depends on more than the job: it has asked an operator, or started a command of the
+    /// operating system.
     pub fn note_outside(&self) {
         self.outside.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the run depends on more than the job. A run that does not would have the same log again.
+    /// Whether the run depends on more than the job. Otherwise another run would give the same log.
     #[must_use]
     pub fn used_outside(&self) -> bool {
         self.outside.load(Ordering::Relaxed)

@@ -34,7 +34,7 @@ pub fn lines(audit: &Path) -> Vec<(String, String, String, String)> {
     text.lines().map(line).collect()
 }
 
-/// Calls that change something, made by one identity; each is noted with its target.
+/// Changing calls of one identity; each is logged with its target.
 struct Making {
     caller: As,
     /// Call and target.

@@ -1,4 +1,4 @@
-//! A job that is equal to an ended one gets its results instead of a run.
+//! A job that equals an ended job gets a copy of its results instead of a run.
 
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -12,7 +12,7 @@ use crate::faults::said;
 use crate::guarded::*;
 use crate::support::*;
 
-/// Options of a server that gives equal jobs the results of each other.
+/// Options of a server that reuses results for equal jobs.
 pub fn caching(folder: &Path) -> Options {
     Options { retention: Retention { result_cache: true, ..Retention::default() }, ..options(folder) }
 }
@@ -81,7 +81,7 @@ async fn an_equal_job_has_the_results_of_the_first_and_does_not_run() {
         let (one, other) = (said(&server, &first.job_id).await, said(&server, &second.job_id).await);
         assert!(one == other, "{script}");
         assert_eq!(results(&server, &first.job_id).await, results(&server, &second.job_id).await, "{script}");
-        // The first has left the list of jobs: its copy stays, and a third equal job names the run.
+        // The first job is deleted: the copy remains, and a third equal job names the job that ran.
         server.jobs().delete_job(v1::DeleteJobRequest { job_id: first.job_id.clone() }).await.unwrap();
         let before = prepared(&server);
         let third = ended(&server, server.request(&format!("third-{number}"), script).await).await;
@@ -91,7 +91,7 @@ async fn an_equal_job_has_the_results_of_the_first_and_does_not_run() {
     server.stop().await;
     assert_eq!(doctor::examine(folder.path(), false), Ok(Vec::new()));
 
-    // The next server knows them, too.
+    // The next server also reuses them.
     let server = Server::start(caching(folder.path())).await;
     let again = ended(&server, server.request("again", "EVENTS 60000").await).await;
     assert!(!again.reused_from.is_empty() && prepared(&server) == 0);
@@ -143,12 +143,12 @@ async fn a_job_that_differs_or_asks_for_a_run_runs() {
     let rerun = v1::RerunJobRequest { job_id: first.job_id, request_id: "rerun".into(), ..Default::default() };
     let rerun = server.jobs().rerun_job(rerun).await.unwrap().into_inner().status.unwrap();
     assert_eq!((server.wait(&rerun.job_id).await.reused_from.as_str(), prepared(&server)), ("", before + 1));
-    // The run of the last equal job counts.
+    // The most recently ended equal job counts.
     let last = ended(&server, v1::SubmitJobRequest { request_id: "last".into(), ..request.clone() }).await;
     assert_eq!(last.reused_from, rerun.job_id);
     server.stop().await;
 
-    // Other maxima and other rights are other jobs; a server may do without.
+    // Jobs with other maxima or other rights are not equal; a server can switch the cache off.
     let maxima = Maxima { max_blocks: 8, ..Maxima::default() };
     let system = System { allow_system: true, ..System::default() };
     for (number, options) in [

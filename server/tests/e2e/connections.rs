@@ -92,7 +92,7 @@ async fn connections_are_limited_per_address_and_a_place_comes_back() {
     server.stop().await;
 }
 
-/// No call waits longer for its request, whatever it does with it.
+/// No call waits longer for its request, regardless of its kind.
 #[tokio::test]
 async fn a_call_whose_request_stands_still_is_ended() {
     let folder = tempfile::tempdir().unwrap();

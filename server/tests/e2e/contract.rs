@@ -1,4 +1,4 @@
-//! The contract as data: its calls with the roles that they need, and calls by path with messages as bytes.
+//! The contract as data: calls with their required roles, and calls by path with messages as bytes.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! Calls whose clients leave while the server makes their change durable: the change is made whole, and noted.
+//! Calls whose clients leave while the server makes their change durable: the change is completed and logged.
 
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex};
@@ -14,7 +14,7 @@ use crate::audited::{audited, lines};
 use crate::guarded::*;
 use crate::support::*;
 
-/// A disk that holds up every sync while it is closed.
+/// A disk that delays every sync while it is closed.
 #[derive(Default)]
 struct Gate {
     closed: Mutex<bool>,
@@ -62,7 +62,7 @@ impl Cut {
         self.gate.held.notified().await;
         call.abort();
         assert!(call.await.is_err(), "the call has no answer yet");
-        // The server reads the end of the call before this one, which comes on the same connection.
+        // The server reads the end of the previous call first, because this call uses the same connection.
         self.caller.list().await;
         self.gate.set(false);
     }

@@ -268,7 +268,7 @@ async fn breakpoints(door: &mut Door<'_>) {
     }
 }
 
-/// Every list of every request is refused with one entry more than `docs/api.md` allows.
+/// Every list of every request is refused if it has one entry more than `docs/api.md` allows.
 #[tokio::test]
 async fn every_list_of_every_request_has_a_limit_that_its_refusal_names() {
     let folder = tempfile::tempdir().unwrap();
@@ -335,7 +335,7 @@ async fn every_list_of_every_request_has_a_limit_that_its_refusal_names() {
     server.stop().await;
 }
 
-/// Lists as long as their limits pass, and texts that are not of their kind are refused.
+/// Lists at their limits pass, and texts with invalid content are refused.
 #[tokio::test]
 async fn lists_have_limits_and_letters_tokens_and_names_are_of_their_kind() {
     let folder = tempfile::tempdir().unwrap();

@@ -133,7 +133,7 @@ async fn drive(folder: &Path, seed: u64, power: bool, expected: &BTreeMap<&str, 
     let mut random = Random(seed);
     let disk = Arc::new(BadDisk::new(seed, power));
     let data = numbered(folder, seed);
-    // At every other seed equal jobs get the results of each other.
+    // With every other seed, equal jobs reuse results.
     let options = |data: &Path| if seed % 2 == 1 { caching(data) } else { options(data) };
     let server = Server::start_on(options(&data), Disk::faulty(disk.clone())).await;
     if power {

@@ -153,7 +153,7 @@ async fn a_failed_job_says_whether_program_machine_limit_or_host_made_it_fail() 
     server.stop().await;
 }
 
-/// Lists that are larger than the largest message come in pages, also for a client that asks for all.
+/// Lists larger than the largest message are returned in pages, even if the client asks for all items.
 #[tokio::test]
 async fn lists_of_files_and_machines_fit_into_messages() {
     let folder = tempfile::tempdir().unwrap();

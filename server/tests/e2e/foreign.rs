@@ -1,4 +1,4 @@
-//! Jobs of another tenant: every call that takes the id of a job, and every filter, treats them as not there.
+//! Jobs of another tenant: every call with the id of a job, and every filter, treats them as not found.
 
 use counterpoint_proto::{DESCRIPTORS, v1};
 use counterpoint_server::access::Role;
@@ -12,7 +12,7 @@ use crate::support::*;
 
 const LATHE: &str = "fanuc-2path-lathe";
 
-/// The jobs of a tenant: one that has ended, one that runs, one that asks, one that is stepped, one that is held back.
+/// The jobs of a tenant: one each that has ended, runs, asks its operator, is stepped, or is held back.
 struct Jobs {
     all: Vec<String>,
     asking: String,
@@ -37,7 +37,7 @@ impl Jobs {
         Self { all, asking, question, stepped }
     }
 
-    /// All answers about these jobs that their owner gets.
+    /// All answers about these jobs that their owner receives.
     async fn seen(&self, owner: &As) -> Vec<v1::GetJobResponse> {
         let mut seen = Vec::new();
         for id in &self.all {
@@ -119,7 +119,7 @@ async fn finds_nothing(other: &As, jobs: &Jobs) {
     }
 }
 
-/// The refusal is that of a job which does not exist, and the owner notices nothing.
+/// The refusal is the same as for a nonexistent job, and the owner's jobs are unaffected.
 #[tokio::test]
 async fn a_job_of_another_tenant_is_not_there_for_any_call() {
     let folder = tempfile::tempdir().unwrap();

@@ -353,7 +353,7 @@ async fn a_change_whose_client_goes_before_the_answer_is_in_the_audit_log() {
     });
     until("the submit waits for the disk", || disk.waiting.load(Ordering::SeqCst) > 0).await;
     submit.abort();
-    // The server reads the end of the call before this one, which comes on the same connection.
+    // The server reads the end of the previous call first, because this call uses the same connection.
     caller.list().await;
     disk.blocked.store(false, Ordering::SeqCst);
     let line = || {

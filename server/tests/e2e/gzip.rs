@@ -19,7 +19,7 @@ fn member(content: &[u8]) -> Vec<u8> {
     member
 }
 
-/// The status of a call whose message is this gzip data.
+/// The status of a call with this gzip data as its message.
 async fn call(server: &Server, data: &[u8]) -> String {
     let headers = "content-type: application/grpc-web+proto\r\ngrpc-encoding: gzip\r\n";
     let mut body = vec![1];

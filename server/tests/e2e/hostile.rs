@@ -168,7 +168,7 @@ async fn every_hostile_case_is_answered_by_name_and_the_server_stays_small() {
     ] {
         jobs.push((name, client.submit(name, machine, &program, Some(most())).await, limit, named));
     }
-    // The longest blocks that the server takes, again and again: an alarm would end the job before its cancel.
+    // The longest blocks that the server accepts, in a loop: an alarm would end the job before its cancel.
     let long = [b"O1\nN1 G4 P1 (".as_slice(), &b"X1".repeat((1 << 19) - 16), b")\nGOTO 1\n"].concat();
     let cancelled = client.submit("cancelled", "fanuc-mill", &long, Some(most())).await;
 

@@ -92,7 +92,7 @@ async fn load(channel: Channel, accepted: Accepted, asked: Arc<Mutex<Vec<u64>>>,
             machine: "fanuc-2path-lathe".into(),
             programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
             files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(content) }],
-            // Half of the jobs run, the others get the results of an equal one.
+            // Half of the jobs run; the others get the results of an equal job.
             options: Some(v1::JobOptions { no_cache: number % 8 < 4, ..Default::default() }),
             ..Default::default()
         };

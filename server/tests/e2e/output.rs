@@ -136,7 +136,7 @@ fn refused(variable: (&str, &str), option: [&str; 2]) -> (i32, String) {
     (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
 }
 
-/// A misspelt level would be the name of a target that no line has: the log would be empty.
+/// A misspelt level would name a target without any lines, so the log would be empty.
 #[test]
 fn a_word_alone_in_the_filter_of_the_log_is_a_level() {
     for filter in ["inof", "info,debgu", "counterpoint_server", "info, h2"] {

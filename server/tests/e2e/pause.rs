@@ -107,8 +107,8 @@ async fn a_paused_job_can_be_cancelled_and_ends_at_its_deadline() {
     server.stop().await;
 }
 
-/// The time of the start is that of the last run that was not dropped: neither a pause nor the end of a server leaves
-/// that of an earlier run.
+/// The start time is that of the last run that was not discarded: neither a pause nor the end of a server leaves the
+/// time of an earlier run.
 #[tokio::test]
 async fn a_job_that_waits_again_has_no_start() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,7 +119,7 @@ async fn a_job_that_waits_again_has_no_start() {
     pause(&server, &first).await;
     server.until(&first, v1::JobState::Queued).await;
     server.until(&second, v1::JobState::Running).await;
-    // It waits for the only worker until it is cancelled.
+    // The job waits for the only worker until it is cancelled.
     assert_eq!(resume(&server, &first).await.state(), v1::JobState::Queued);
     server.jobs().cancel_job(v1::CancelJobRequest { job_id: first.clone() }).await.unwrap();
     let status = server.wait(&first).await;

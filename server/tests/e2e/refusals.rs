@@ -61,7 +61,7 @@ async fn every_status_says_its_reason_also_those_of_the_transport() {
     server.stop().await;
 }
 
-/// Strangers may ask for the health of the server, so no such message counts in the memory budget.
+/// Callers without an identity may check the health of the server, so these messages do not count in the memory budget.
 #[tokio::test]
 async fn a_health_check_is_small_and_takes_nothing_of_the_memory_budget() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The role that each call needs, and the identity that each needs.
+//! The role and the identity that each call needs.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -18,7 +18,7 @@ fn refused<T>(answer: Result<T, Status>) -> Option<(Code, String)> {
     answer.err().map(|status| (status.code(), reason(&status)))
 }
 
-/// Each call is refused to every lower role, and passes with its own role and those above it. An empty message is
+/// Each call is refused to every lower role, and passes with its own role and every higher role. An empty message is
 /// enough: the role is checked before the request is read.
 #[tokio::test]
 async fn each_call_is_refused_to_the_roles_below_its_own() {
@@ -43,7 +43,7 @@ async fn each_call_is_refused_to_the_roles_below_its_own() {
         .unwrap();
 }
 
-/// Names of the services that a server offers, by its reflection.
+/// Names of the services that a server offers, from its reflection.
 async fn services(caller: &As) -> BTreeSet<String> {
     use reflection::server_reflection_request::MessageRequest;
     use reflection::server_reflection_response::MessageResponse;

@@ -150,7 +150,7 @@ async fn signed_tokens_that_prove_nothing_are_refused() {
     server.stop().await;
 }
 
-/// A public key is known to many, so it must never serve as a shared secret, in whatever form.
+/// A public key is widely known, so no form of it may serve as a shared secret.
 #[tokio::test]
 async fn a_token_signed_with_a_public_key_as_its_secret_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -208,7 +208,7 @@ async fn jobs_that_a_crash_has_interrupted_do_not_hold_other_tenants() {
     server.stop().await;
 }
 
-/// A job that has run alone after a crash is no suspect for later servers either, although it is held back.
+/// A job that has run alone after a crash is not a suspect for later servers, even if it is held back.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_suspect_that_has_run_alone_stays_cleared_in_the_ledger() {
     let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
@@ -230,7 +230,7 @@ async fn a_suspect_that_has_run_alone_stays_cleared_in_the_ledger() {
     moves(&endless_one, &job).await;
     let during = second.path().join("during");
     copy(&options.data, &during);
-    // Another tenant has its turn when the suspect has run alone for its time.
+    // Another tenant gets its turn after the suspect has run alone for its time.
     let tiny = late.submit("tiny", "fanuc-mill", TINY).await.unwrap().job_id;
     assert_eq!(ends(&late, &tiny).await.state(), v1::JobState::Succeeded);
     endless_one.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
@@ -239,7 +239,7 @@ async fn a_suspect_that_has_run_alone_stays_cleared_in_the_ledger() {
     assert_eq!([suspect(&during), suspect(&options.data)], [true, false]);
 }
 
-/// After a crash, the runs that were suspended have counted as attempts, too.
+/// After a crash, suspended runs have also counted as attempts.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_run_that_was_suspended_at_a_crash_counts_as_an_attempt() {
     let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());

@@ -297,7 +297,7 @@ pub struct Server {
 
 pub fn options(data: &Path) -> Options {
     Options {
-        // Tests submit equal jobs to see them run.
+        // Tests submit equal jobs and expect each of them to run.
         retention: Retention { result_cache: false, ..Retention::default() },
         listen: "127.0.0.1:0".parse().unwrap(),
         data: data.to_owned(),

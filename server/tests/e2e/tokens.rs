@@ -57,7 +57,7 @@ async fn a_token_is_made_listed_and_revoked_and_the_server_follows_when_it_reads
     }
 }
 
-/// The file of identities holds digests; none of its contents is a token.
+/// The file of identities holds digests; no part of its content is a token.
 #[tokio::test]
 async fn the_content_of_the_file_of_identities_is_not_a_token() {
     let folder = tempfile::tempdir().unwrap();

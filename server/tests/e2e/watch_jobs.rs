@@ -51,7 +51,7 @@ impl Seen {
     }
 }
 
-/// Whichever of two deletes comes first, the other finds no job, and watchers are told once.
+/// Of two deletes of a job the later one finds no job, and watchers receive one removal.
 #[tokio::test]
 async fn a_job_that_is_deleted_twice_at_once_is_removed_once() {
     let folder = tempfile::tempdir().unwrap();

@@ -30,7 +30,7 @@ pub struct Plan {
 
 /// Documents in both kinds of packages.
 const DOCUMENTS: [&str; 5] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE", "deploy/README.md"];
-/// Folder of the documentation, with all its files. The documents above refer to it.
+/// Folder of the documentation, packaged with all its files. The documents above refer to it.
 const DOCUMENTATION: &str = "docs";
 /// Options that print the example configuration.
 const EXAMPLE: [&str; 3] = ["--data", "/var/lib/counterpoint", "--print-config"];
@@ -82,7 +82,7 @@ fn time(root: &Path) -> u64 {
     given.or_else(|| commit(root, "--format=%ct")).and_then(|text| text.trim().parse().ok()).unwrap_or(1)
 }
 
-/// Name and address for the Debian package: DEBFULLNAME and DEBEMAIL, or else the committer of the last commit.
+/// Name and address for the Debian package: DEBFULLNAME and DEBEMAIL, otherwise the committer of the last commit.
 fn maintainer(root: &Path) -> Result<String, String> {
     let given = |name: &str| std::env::var(name).ok().filter(|text| !text.is_empty());
     let by_variables = given("DEBFULLNAME").zip(given("DEBEMAIL")).map(|(name, address)| format!("{name} <{address}>"));

@@ -70,7 +70,7 @@ impl World {
         self.queue.push(ticket, Entry::Suspect(ms(5000)));
     }
 
-    /// Pauses the run of a job that was a suspect at first, and resumes the job.
+    /// Pauses the run of a job that started as a suspect, and resumes the job.
     fn pause_and_resume(&mut self, id: &str, pause: Duration) {
         let ticket = Ticket { id, tenant: &id[..1], priority: Priority::Normal };
         self.queue.free(id, self.now);
