@@ -39,7 +39,7 @@ use crate::connections::Connections;
 use crate::drain::Drain;
 use crate::host::Host;
 use crate::ledger::record::{Record, State, Work};
-use crate::ledger::{Ledger, Submitted};
+use crate::ledger::{Ledger, NewJob, Submitted};
 use crate::log::Logs;
 use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
@@ -175,17 +175,18 @@ impl Core {
     }
 
     /// Accepts a job; the answer says whether it was known.
-    pub(crate) async fn submit(self: &Arc<Self>, record: Record, work: Work) -> Result<(Record, bool), Refusal> {
+    pub(crate) async fn submit(self: &Arc<Self>, job: Box<NewJob>) -> Result<(Box<Record>, bool), Refusal> {
+        let NewJob { record, work } = &*job;
         if let Some(known) = self.ledger.by_request(&record.tenant, &record.request_id)? {
-            let same = match known.asks_the_same(&record) {
+            let same = match known.asks_the_same(record) {
                 Some(same) => same,
-                None => known.asks_the_same_work(&self.work(&known.id)?, &record, &work),
+                None => known.asks_the_same_work(&self.work(&known.id)?, record, work),
             };
             return if same {
                 self.answered(&known)?;
-                Ok((self.current(known), true))
+                Ok((Box::new(self.current(known)), true))
             } else {
-                Err(Refusal::RequestIdReused(record.request_id))
+                Err(Refusal::RequestIdReused(record.request_id.clone()))
             };
         }
         self.room()?;
@@ -205,17 +206,17 @@ impl Core {
             blobs.of(&tenant).require(&mut work.files.iter().map(|(_, digest)| digest))?;
             blobs.of(&work.machine.tenant).require(&mut work.machine.files.values())
         };
-        let submitted = self.ledger.submit(record, work, Box::new(check), Box::new(accepted)).await?;
+        let submitted = self.ledger.submit(job, Box::new(check), Box::new(accepted)).await?;
         match submitted {
             Submitted::Known(known) => {
                 self.answered(&known)?;
-                Ok((self.current(*known), true))
+                Ok((Box::new(self.current(*known)), true))
             }
             Submitted::New(record) => {
                 self.metrics.jobs.accepted.inc();
                 self.board.tally.accepted(&record);
                 self.pump();
-                Ok((*record, false))
+                Ok((record, false))
             }
         }
     }

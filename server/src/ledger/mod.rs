@@ -30,6 +30,13 @@ pub(crate) type Accepted = Box<dyn FnOnce(&Record) + Send>;
 /// Called with how it went.
 pub(crate) type Then = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
 
+/// A job to accept: its record has no identity yet. In a box, as each future that it passes through would copy it.
+#[derive(Debug)]
+pub(crate) struct NewJob {
+    pub(crate) record: Record,
+    pub(crate) work: Work,
+}
+
 /// Answer to a submit.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Submitted {
@@ -182,13 +189,7 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     fn writable(&self) -> watch::Receiver<bool>;
 
     /// Accepts a job and gives it its identity, or finds the one accepted under the same request id.
-    async fn submit(
-        &self,
-        record: Record,
-        work: Work,
-        check: Check<Work>,
-        accepted: Accepted,
-    ) -> Result<Submitted, Refusal>;
+    async fn submit(&self, job: Box<NewJob>, check: Check<Work>, accepted: Accepted) -> Result<Submitted, Refusal>;
 
     /// Stores a new state of a job.
     async fn update(&self, record: Record) -> Result<(), Refusal>;

@@ -319,38 +319,41 @@ async fn answer(
     let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
     let unanswered = Unanswered::new(peer.clone(), caller.clone(), path.clone());
     let mut stay = None;
-    let answered = async {
-        let (parts, body) = request.map(Body::new).into_parts();
-        let (most, memory) = room(&path, &peer.memory);
-        let arrived = match calls::sends_many(&path) {
-            true => Arrived::open(body),
-            false => match first_message(body, most, stall, &memory).await {
-                Ok(arrived) => arrived,
-                Err(refusal) => return Ok(Status::from(refusal).into_http()),
-            },
-        };
-        let (turn, long) = peer.gate.turn(caller.as_ref(), &path).await;
-        stay.clone_from(&long);
-        let request = Request::from_parts(parts, Body::new(arrived.of(long)));
-        let answer = ask(routes, request, peer.gate.web.is_some()).await;
-        drop(turn);
-        answer
-    };
-    let answered = async {
-        match &mut rights {
-            None => answered.await,
-            Some(ended) => tokio::select! {
-                answer = answered => answer,
-                status = ended => Ok(status.into_http()),
+    let response = {
+        // Pinned where they are, as a future that moves into another one takes its room twice.
+        let answered = pin!(async {
+            let (parts, body) = request.map(Body::new).into_parts();
+            let (most, memory) = room(&path, &peer.memory);
+            let arrived = match calls::sends_many(&path) {
+                true => Arrived::open(body),
+                false => match first_message(body, most, stall, &memory).await {
+                    Ok(arrived) => arrived,
+                    Err(refusal) => return Ok(Status::from(refusal).into_http()),
+                },
+            };
+            let (turn, long) = peer.gate.turn(caller.as_ref(), &path).await;
+            stay.clone_from(&long);
+            let request = Request::from_parts(parts, Body::new(arrived.of(long)));
+            let answer = ask(routes, request, peer.gate.web.is_some()).await;
+            drop(turn);
+            answer
+        });
+        let answered = pin!(async {
+            match &mut rights {
+                None => answered.await,
+                Some(ended) => tokio::select! {
+                    answer = answered => answer,
+                    status = ended => Ok(status.into_http()),
+                },
+            }
+        });
+        match deadline {
+            None => answered.await?,
+            Some(deadline) => match timeout_at(deadline, answered).await {
+                Ok(response) => response?,
+                Err(_) => Status::from(Refusal::CallDeadline).into_http(),
             },
         }
-    };
-    let response = match deadline {
-        None => answered.await?,
-        Some(deadline) => match timeout_at(deadline, answered).await {
-            Ok(response) => response?,
-            Err(_) => Status::from(Refusal::CallDeadline).into_http(),
-        },
     };
     let mut response = detailed(response);
     unanswered.answered(&response, begin.elapsed());

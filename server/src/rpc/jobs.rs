@@ -19,8 +19,8 @@ use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::{description, options, status};
 use crate::jobs::filter::{Filter, States};
-use crate::ledger::record::{Record, Work};
-use crate::ledger::{PAGE_BYTES, Query};
+use crate::ledger::record::Record;
+use crate::ledger::{NewJob, PAGE_BYTES, Query};
 use crate::log::reader::Reader;
 use crate::memory::Taken;
 use crate::reason::Refusal;
@@ -42,13 +42,13 @@ fn counted<T>(answer: T, taken: Taken) -> Response<T> {
 async fn submitted(
     core: &Arc<Core>,
     caller: &Caller,
-    (record, work): (Record, Work),
+    job: Box<NewJob>,
     taken: Taken,
-) -> Result<(Record, bool), Refusal> {
+) -> Result<(Box<Record>, bool), Refusal> {
     let (core, noted) = (core.clone(), caller.clone());
     let submit = async move {
         let _taken = taken;
-        let (record, duplicate) = core.submit(record, work).await?;
+        let (record, duplicate) = core.submit(job).await?;
         noted.about(&record.id);
         Ok((record, duplicate))
     };
@@ -86,10 +86,10 @@ impl Service for Jobs {
         let tenant = caller.tenant().to_owned();
         let bytes = SUBMIT_COPIES * request.encoded_len() as u64;
         let taken = submit::memory(&core, &tenant, &request.request_id, bytes).await?;
-        let (mut record, work) = blocking(move || submit::record(&core, &tenant, request)).await?;
-        record.runs.traceparent = traceparent;
-        let (record, duplicate) = submitted(&self.0, &caller, (record, work), taken).await?;
-        Ok(Response::new(v1::SubmitJobResponse { status: Some(status(record)), duplicate }))
+        let mut job = blocking(move || submit::record(&core, &tenant, request)).await?;
+        job.record.runs.traceparent = traceparent;
+        let (record, duplicate) = submitted(&self.0, &caller, job, taken).await?;
+        Ok(Response::new(v1::SubmitJobResponse { status: Some(status(*record)), duplicate }))
     }
 
     async fn get_job(&self, request: Request<v1::GetJobRequest>) -> Result<Response<v1::GetJobResponse>, Status> {
@@ -253,7 +253,7 @@ impl Service for Jobs {
         let taken = submit::memory(&core, caller.tenant(), &request.request_id, bytes).await?;
         let job = blocking(move || submit::rerun(&core, earlier, request)).await?;
         let (record, duplicate) = submitted(&self.0, &caller, job, taken).await?;
-        Ok(Response::new(v1::RerunJobResponse { status: Some(status(record)), duplicate }))
+        Ok(Response::new(v1::RerunJobResponse { status: Some(status(*record)), duplicate }))
     }
 
     type WatchJobsStream = ReceiverStream<Result<v1::WatchJobsResponse, Status>>;

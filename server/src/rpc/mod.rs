@@ -75,17 +75,20 @@ fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
 
 /// Completes a change that must not stop halfway, even if the client ends the call or its deadline passes. The audit
 /// log gets the line of the call after the change.
-async fn to_the_end<T: Send + 'static>(
+fn to_the_end<T: Send + 'static>(
     caller: &Caller,
     work: impl Future<Output = Result<T, Refusal>> + Send + 'static,
-) -> Result<T, Refusal> {
+) -> impl Future<Output = Result<T, Refusal>> + Send {
     let caller = caller.clone();
+    // In a box, as each future around it would copy it.
+    let work = Box::pin(work);
     let work = async move {
         let done = work.await;
         drop(caller);
         done
     };
-    tokio::spawn(work.in_current_span()).await.map_err(|error| Refusal::Storage(error.to_string()))?
+    let ended = tokio::spawn(work.in_current_span());
+    async { ended.await.map_err(|error| Refusal::Storage(error.to_string()))? }
 }
 
 /// The first message of a client stream; an error if the stream stalls.

@@ -17,13 +17,14 @@ use super::blocking;
 use super::door::entries;
 use crate::blobs::digest;
 use crate::jobs::Core;
+use crate::ledger::NewJob;
 use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, Work, now_ms};
 use crate::machines::{Definition, candidates, is_shipped};
 use crate::memory::Taken;
 use crate::reason::Refusal;
 
 /// Checks a request and makes the record of a new job.
-pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -> Result<(Record, Work), Refusal> {
+pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -> Result<Box<NewJob>, Refusal> {
     let content = content_of(&request);
     let files = files(core, &request.files)?;
     let programs = programs(core, &request.programs, &files)?;
@@ -60,7 +61,7 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
         submitted_ms: now_ms(),
         ..Record::queued(&work)
     };
-    Ok((record, work))
+    Ok(Box::new(NewJob { record, work }))
 }
 
 /// Takes memory for a request for a job. One that repeats an earlier one is only answered, so it can have memory of
@@ -78,7 +79,7 @@ pub(super) async fn memory(core: &Arc<Core>, tenant: &str, request_id: &str, byt
 }
 
 /// Checks a request and makes the record of a job that runs another one again.
-pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobRequest) -> Result<(Record, Work), Refusal> {
+pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobRequest) -> Result<Box<NewJob>, Refusal> {
     let work = core.work(&earlier.id)?;
     let request_id = std::mem::take(&mut request.request_id);
     let content = format!("{CONTENT}{}", digest(&request.encode_to_vec()));
@@ -106,7 +107,7 @@ pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobReque
         submitted_ms: now_ms(),
         ..Record::queued(&work)
     };
-    Ok((record, work))
+    Ok(Box::new(NewJob { record, work }))
 }
 
 /// The work with the limits that count: those asked for, or the defaults, within the maxima of the server.

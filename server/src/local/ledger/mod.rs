@@ -37,7 +37,7 @@ use uuid::{NoContext, Timestamp, Uuid};
 use super::contained::contained;
 use super::store::Store;
 use crate::ledger::record::{Record, Work};
-use crate::ledger::{Accepted, Check, Compacted, Ended, Keep, Ledger, Page, Query, Submitted, Then, Usage};
+use crate::ledger::{Accepted, Check, Compacted, Ended, Keep, Ledger, NewJob, Page, Query, Submitted, Then, Usage};
 use crate::log::damage::{damage, of_job};
 use crate::machines::Definition;
 use crate::metrics::Metrics;
@@ -233,15 +233,10 @@ impl Ledger for LocalLedger {
         self.shared.writable.subscribe()
     }
 
-    async fn submit(
-        &self,
-        mut record: Record,
-        work: Work,
-        check: Check<Work>,
-        accepted: Accepted,
-    ) -> Result<Submitted, Refusal> {
-        let tenant = record.tenant.clone();
+    async fn submit(&self, job: Box<NewJob>, check: Check<Work>, accepted: Accepted) -> Result<Submitted, Refusal> {
+        let tenant = job.record.tenant.clone();
         let submit = move |tables: &Tables<'_>| {
+            let NewJob { mut record, work } = *job;
             let mut requests = tables.request()?;
             let request = tenant::key(&record.tenant, &record.request_id);
             let known = requests.get(request.as_str()).map_err(storage)?.map(|id| id.value().to_owned());

@@ -10,9 +10,9 @@ use std::sync::atomic::{AtomicI64, Ordering};
 
 use super::checkup::Checkup;
 use super::*;
-use crate::ledger::day;
 use crate::ledger::record::tests::{record, work};
 use crate::ledger::record::{CONTENT, State};
+use crate::ledger::{NewJob, day};
 use crate::local::disk::{Disk, Faults, Step};
 use crate::machines::Pinned;
 
@@ -224,7 +224,11 @@ impl Bench {
         let run = &self.runtime;
         match operation {
             Operation::Submit(record, work) => {
-                let submitted = run.block_on(ledger.submit(*record, *work, Box::new(|_| Ok(())), Box::new(|_| ())))?;
+                let submitted = run.block_on(ledger.submit(
+                    Box::new(NewJob { record: *record, work: *work }),
+                    Box::new(|_| Ok(())),
+                    Box::new(|_| ()),
+                ))?;
                 return Ok(Some(match submitted {
                     Submitted::New(record) | Submitted::Known(record) => *record,
                 }));
