@@ -14,7 +14,7 @@ use crate::local::contained::contained;
 use crate::local::disk::Disk;
 use crate::local::ledger::checkup::{Checkup, Rows};
 use crate::local::ledger::salvage::Saved;
-use crate::local::ledger::{lost, lost_by, lost_for_good, not_lost};
+use crate::local::ledger::{lost, lost_for_good, not_lost, unopened_by};
 use crate::local::named::{Named as _, is_of_host};
 use crate::local::store::Store;
 use crate::log::kept::Kept;
@@ -99,7 +99,7 @@ impl Doctor {
         let opened = not_lost(&self.store).and_then(|()| {
             self.pages()?;
             let opened = Checkup::open(&self.store, self.repair);
-            opened.map_err(|why| lost_by(&self.store, "cannot be opened", why))
+            opened.map_err(|why| unopened_by(&self.store, why))
         });
         let checkup = match opened {
             Ok(checkup) => checkup,

@@ -5,6 +5,7 @@ use std::process::Command;
 
 use counterpoint_proto::v1;
 use counterpoint_server::doctor::{Damage, examine};
+use counterpoint_server::service;
 use redb::{ReadableTable as _, TableDefinition};
 
 use crate::support::*;
@@ -209,6 +210,43 @@ async fn a_ledger_that_cannot_be_used_is_reported_with_the_way_out() {
         assert_eq!(std::fs::read(&ledger).unwrap(), content);
     }
     assert_eq!(command(folder.path(), &["--repair"]).0, Some(1));
+}
+
+/// The start and `doctor` recommend a repair only if it saves rows.
+#[tokio::test]
+async fn a_repair_is_recommended_only_if_it_saves_rows() {
+    let folder = tempfile::tempdir().unwrap();
+    folder_of_jobs(folder.path()).await;
+    let ledger = folder.path().join("ledger.redb");
+    let clean = std::fs::read(&ledger).unwrap();
+    let grown = [&clean[..], &b"more"[..]].concat();
+    let later = {
+        write_ledger(folder.path(), 999, &[]);
+        std::fs::read(&ledger).unwrap()
+    };
+    let forms: [(&str, Option<&[u8]>, bool); 5] = [
+        ("grown", Some(&grown), true),
+        ("missing", None, false),
+        ("empty", Some(b""), false),
+        ("random", Some(&[0x5a; 20_000]), false),
+        ("of a later version", Some(&later), false),
+    ];
+    for (form, content, repaired) in forms {
+        match content {
+            Some(content) => std::fs::write(&ledger, content).unwrap(),
+            None => std::fs::remove_file(&ledger).unwrap(),
+        }
+        let started = service::build_with(options(folder.path()), Script::default()).await.map(drop);
+        let (code, examined) = command(folder.path(), &[]);
+        assert_eq!(code, Some(1), "{form}: {examined}");
+        for text in [started.unwrap_err().to_string(), examined] {
+            assert_eq!(text.contains("--repair"), repaired, "{form}: {text}");
+            assert!(repaired || text.contains("backup"), "{form}: {text}");
+        }
+        let (code, text) = command(folder.path(), &["--repair"]);
+        assert_eq!(code, Some(i32::from(!repaired)), "{form}: {text}");
+        assert!(!text.contains("--repair"), "{form}: {text}");
+    }
 }
 
 /// A folder with jobs that have logs in files, and their identities.

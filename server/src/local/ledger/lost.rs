@@ -1,5 +1,6 @@
 //! A ledger that cannot be used beside jobs or blobs, and the ways out.
 
+use super::salvage::Saved;
 use crate::local::named::{is_of_host, named};
 use crate::local::store::Store;
 use crate::reason::Refusal;
@@ -13,21 +14,30 @@ pub(crate) fn not_lost(store: &Store) -> Result<(), Refusal> {
     };
     if store.durable() && length.unwrap_or(0) == 0 && store.in_use() {
         let what = if length.is_some() { "is empty" } else { "is missing" };
-        return Err(lost(store, &format!("{what} although there are jobs or blobs")));
+        return Err(refused(store, &format!("{what} although there are jobs or blobs"), "no row of it is left; "));
     }
     Ok(())
 }
 
-/// A ledger that cannot be used, with the way out.
+/// A damaged ledger, of which a repair saves some rows.
 pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
     let save = format!("save all that is whole (counterpointd doctor --repair --data '{}'), ", store.root().display());
     refused(store, what, &save)
 }
 
-/// A ledger that cannot be used because of this: damage has a way out, trouble of the host is not damage.
-pub(crate) fn lost_by(store: &Store, what: &str, why: Refusal) -> Refusal {
+/// A ledger whose pages are not sound: recommends a repair only if it would save rows. A problem of the host stays as
+/// it is.
+pub(crate) fn damaged_by(store: &Store, why: Refusal) -> Refusal {
+    let Refusal::DataLoss(why) = why else { return why };
+    let what = format!("is damaged ({why})");
+    if Saved::read(store).is_ok() { lost(store, &what) } else { lost_for_good(store, &what) }
+}
+
+/// A ledger that cannot be opened although its pages are sound: a repair saves nothing. A problem of the host stays as
+/// it is.
+pub(crate) fn unopened_by(store: &Store, why: Refusal) -> Refusal {
     match why {
-        Refusal::DataLoss(why) => lost(store, &format!("{what} ({why})")),
+        Refusal::DataLoss(why) => refused(store, &format!("cannot be opened ({why})"), ""),
         trouble => trouble,
     }
 }

@@ -43,7 +43,7 @@ use crate::machines::Definition;
 use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
-pub(crate) use lost::{lost, lost_by, lost_for_good, not_lost};
+pub(crate) use lost::{damaged_by, lost, lost_for_good, not_lost, unopened_by};
 use rows::{clear, get, next_job, parse, put, readable, same, take_out};
 use tables::Tables;
 use writer::{Operation, Place, Shared};
@@ -122,9 +122,9 @@ impl LocalLedger {
         let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
         not_lost(store)?;
         if store.ledger().metadata().is_ok_and(|meta| meta.len() > 0) {
-            place.check().map_err(|why| lost_by(store, "is damaged", why))?;
+            place.check().map_err(|why| damaged_by(store, why))?;
         }
-        let database = place.open().map_err(|why| lost_by(store, "cannot be opened", why))?;
+        let database = place.open().map_err(|why| unopened_by(store, why))?;
         store.sync_root()?;
         let txn = database.begin_write().map_err(storage)?;
         let before = schema::migrate(&txn, store).map_err(|refusal| match refusal {
