@@ -12,6 +12,7 @@ use counterpoint_kernel::options::Limits;
 use serde::{Deserialize, Serialize};
 
 use crate::logging::LogFormat;
+use crate::tenant;
 
 mod groups;
 mod printed;
@@ -156,6 +157,7 @@ impl Options {
             Some(name) => Err(serde::de::Error::custom(format!("there is no option '{name}'"))),
             None => {
                 check_tables::<Tenant>(&given, "tenants")?;
+                check_names(&given)?;
                 check_tables::<Webhook>(&given, "webhooks")?;
                 toml::from_str(text)
             }
@@ -200,6 +202,18 @@ fn check_tables<T: serde::de::DeserializeOwned>(given: &toml::Table, kind: &str)
             .map_err(|error| serde::de::Error::custom(format!("[{kind}.{name}]: {}", error.to_string().trim())))?;
     }
     Ok(())
+}
+
+/// Refuses a table of a tenant whose name no tenant can have.
+fn check_names(given: &toml::Table) -> Result<(), toml::de::Error> {
+    let names = given.get("tenants").and_then(toml::Value::as_table).into_iter().flat_map(toml::Table::keys);
+    match names.into_iter().find(|name| !tenant::is_tenant(name)) {
+        Some(name) => Err(serde::de::Error::custom(format!(
+            "[tenants.{name}]: '{name}' is not the name of a tenant: expected {}",
+            tenant::RULE
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Flags and environment; options absent here come from the file or the defaults.
@@ -298,6 +312,8 @@ mod tests {
         assert_eq!((cell.tenant_queued, cell.tenant_cpu_s, cell.tenant_running), (9, 0, 0));
         assert_eq!((other.tenant_queued, other.tenant_cpu_s), (5, 60));
         assert_eq!(Options::parse(&options.to_toml()).unwrap(), options);
+        let name = Options::parse("[tenants.A]\nqueued = 9\n").unwrap_err().to_string();
+        assert!(name.contains("'A' is not the name of a tenant") && name.contains("a-z 0-9"), "{name}");
         let unknown = Options::parse("[tenants.cell]\nqueue = 9\n").unwrap_err().to_string();
         assert!(unknown.contains("queue") && unknown.contains("queued"), "{unknown}");
         let hook =
