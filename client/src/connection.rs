@@ -5,7 +5,8 @@ use tonic::transport::Channel;
 
 use crate::MAX_MESSAGE;
 use crate::error::Error;
-use crate::settings::{Call, Settings, cause};
+use crate::reach::{Reach, cause};
+use crate::settings::{Call, Settings};
 use crate::v1::admin_client::AdminClient;
 use crate::v1::blobs_client::BlobsClient;
 use crate::v1::jobs_client::JobsClient;
@@ -14,7 +15,7 @@ use crate::v1::operator_client::OperatorClient;
 use crate::v1::results_client::ResultsClient;
 
 /// A connection that adds the token of the caller to each call.
-pub type Through = InterceptedService<Channel, Call>;
+pub type Through = InterceptedService<Reach, Call>;
 
 /// A channel; a lost one is made again with the next call.
 #[derive(Debug, Clone)]
@@ -32,7 +33,8 @@ impl Connection {
 
     /// Over a channel that exists.
     pub(crate) fn over(channel: Channel, settings: &Settings) -> Self {
-        Self { channel: InterceptedService::new(channel, settings.call()), settings: settings.clone() }
+        let reach = Reach::new(channel, settings.address());
+        Self { channel: InterceptedService::new(reach, settings.call()), settings: settings.clone() }
     }
 
     pub(crate) fn jobs(&self) -> JobsClient<Through> {

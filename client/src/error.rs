@@ -6,21 +6,23 @@ use std::time::Duration;
 use tonic::{Code, Status};
 use tonic_types::StatusExt as _;
 
+use crate::reach::{Misfit, Unreached};
+
 /// Why something could not be done.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// Address, token or certificates cannot be used.
     #[error("{0}")]
     Settings(String),
-    /// No server answers.
-    #[error("no server answers at {address} ({cause})")]
+    /// No server answers, at first or again within the patience of the client.
+    #[error("no server answers at {address} ({cause}){}", Misfit::hint(.address, .cause))]
     Unreachable {
         /// The address.
         address: String,
         /// The error of the system.
         cause: String,
     },
-    /// The server refused, or was not reached again within the patience of the client.
+    /// The server refused.
     #[error("{}", refusal(.0))]
     Refused(Box<Status>),
     /// The server did not keep to the contract.
@@ -45,12 +47,21 @@ impl Error {
         }
     }
 
+    /// A setting that does not fit the server, if that is why no server answers.
+    #[must_use]
+    pub fn misfit(&self) -> Option<Misfit> {
+        match self {
+            Self::Unreachable { address, cause } => Misfit::of(address, cause),
+            _ => None,
+        }
+    }
+
     /// Whether the same call may succeed later without intervention: the connection was lost, or the server says
     /// UNAVAILABLE.
     #[must_use]
     pub fn is_passing(&self) -> bool {
         match self {
-            Self::Unreachable { .. } => true,
+            Self::Unreachable { .. } => self.misfit().is_none(),
             Self::Refused(status) => status.code() == Code::Unavailable || is_lost(status),
             Self::Settings(_) | Self::Contract(_) => false,
         }
@@ -72,7 +83,10 @@ fn is_lost(status: &Status) -> bool {
 
 impl From<Status> for Error {
     fn from(status: Status) -> Self {
-        Self::Refused(Box::new(status))
+        match status.source().and_then(|source| source.downcast_ref::<Unreached>()) {
+            Some(Unreached { address, cause }) => Self::Unreachable { address: address.clone(), cause: cause.clone() },
+            None => Self::Refused(Box::new(status)),
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use tonic::transport::{Certificate, ClientTlsConfig, Endpoint, Identity};
 use tonic::{Request, Status};
 
 use crate::error::Error;
+use crate::reach::cause;
 
 /// Names in the environment: token, authorities, and certificate and key of the client, the last three PEM files; the
 /// span that calls belong to.
@@ -46,13 +47,13 @@ impl Settings {
 
     /// A server at an address, the rest from the environment: `COUNTERPOINT_TOKEN`, and the PEM files named by
     /// `COUNTERPOINT_CA`, `COUNTERPOINT_CLIENT_CERT` and `COUNTERPOINT_CLIENT_KEY`; `TRACEPARENT` is the W3C trace
-    /// context that calls belong to.
+    /// context that calls belong to. An empty variable counts as absent.
     ///
     /// # Errors
-    /// When a file cannot be read or the token cannot be one.
+    /// When a file cannot be read, the token is not valid, or only one of certificate and key is given.
     pub fn from_environment(address: impl Into<String>) -> Result<Self, Error> {
         let file = |name: &str| {
-            let path = std::env::var_os(name).map(std::path::PathBuf::from);
+            let path = std::env::var_os(name).filter(|path| !path.is_empty()).map(std::path::PathBuf::from);
             let read = |path: std::path::PathBuf| {
                 std::fs::read(&path).map_err(|error| match error.kind() {
                     ErrorKind::NotFound => Error::Settings(format!("{name}: '{}' does not exist", path.display())),
@@ -62,15 +63,19 @@ impl Settings {
             path.map(read).transpose()
         };
         let mut settings = Self::new(address);
-        if let Ok(token) = std::env::var(TOKEN) {
+        let text = |name: &str| std::env::var(name).ok().filter(|text| !text.trim().is_empty());
+        if let Some(token) = text(TOKEN) {
             settings = settings.with_token(&token).map_err(|_| Error::Settings(format!("{TOKEN} is not a token")))?;
         }
-        if let Ok(parent) = std::env::var(TRACEPARENT) {
+        if let Some(parent) = text(TRACEPARENT) {
             settings = settings.with_traceparent(&parent)?;
         }
         settings.authorities = file(CA)?;
-        if let (Some(certificate), Some(key)) = (file(CERTIFICATE)?, file(KEY)?) {
-            settings = settings.with_certificate(&certificate, &key);
+        match (file(CERTIFICATE)?, file(KEY)?) {
+            (Some(certificate), Some(key)) => settings = settings.with_certificate(&certificate, &key),
+            (Some(_), None) => return Err(alone(CERTIFICATE, KEY)),
+            (None, Some(_)) => return Err(alone(KEY, CERTIFICATE)),
+            (None, None) => {}
         }
         Ok(settings)
     }
@@ -163,13 +168,9 @@ impl Settings {
     }
 }
 
-/// The first cause of an error.
-pub(crate) fn cause(error: &dyn std::error::Error) -> String {
-    let mut cause = error;
-    while let Some(source) = cause.source() {
-        cause = source;
-    }
-    cause.to_string()
+/// One of the two variables of the client's certificate is missing.
+fn alone(given: &str, missing: &str) -> Error {
+    Error::Settings(format!("{given} is set and {missing} is not: a client certificate needs both"))
 }
 
 /// The additions to each call.

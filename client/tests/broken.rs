@@ -225,8 +225,10 @@ async fn patience_ends_and_refusals_are_not_repeated() {
     let client = Client::connect(&settings).await.unwrap();
     let unknown = client.watch("none", v1::WatchLevel::Progress).next().await.unwrap_err();
     assert_eq!(unknown.reason().as_deref(), Some("UNKNOWN_JOB"));
+    let server_url = server.handle.url();
     server.stop().await;
     let lost = client.wait("none").await.unwrap_err();
-    assert!(lost.is_passing() && matches!(lost, Error::Refused(_)), "{lost}");
+    assert!(lost.is_passing() && matches!(lost, Error::Unreachable { .. }), "{lost}");
+    assert!(lost.to_string().contains(&server_url), "{lost}");
     assert!(matches!(Client::connect(&settings).await, Err(Error::Unreachable { .. })));
 }
