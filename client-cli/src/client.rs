@@ -24,14 +24,6 @@ pub(crate) struct Asked {
     pub(crate) toolpath: bool,
 }
 
-/// Whether encryption is the cause of a failed connection.
-fn is_encryption(cause: &str) -> bool {
-    const WORDS: [&str; 7] =
-        ["certificate", "tls", "handshake", "alert", "issuer", "corrupt message", "invalidcontenttype"];
-    let cause = cause.to_ascii_lowercase();
-    WORDS.iter().any(|word| cause.contains(word))
-}
-
 /// A client.
 #[derive(Debug)]
 pub(crate) struct Client {
@@ -46,17 +38,7 @@ impl Client {
     /// machine could read them.
     pub(crate) async fn connect(address: &str) -> Result<Self, Error> {
         let settings = Settings::from_environment(address)?;
-        let server = counterpoint_client::Client::connect(&settings).await.map_err(|error| match error {
-            // A server answers, but the encrypted connection does not come about.
-            counterpoint_client::Error::Unreachable { ref cause, .. } if is_encryption(cause) => Error::Connection(format!(
-                "{error}: check the address, that the certificate of the server is valid for it and signed by an authority that \
-                 COUNTERPOINT_CA names, and the client's own in COUNTERPOINT_CLIENT_CERT and COUNTERPOINT_CLIENT_KEY"
-            )),
-            counterpoint_client::Error::Unreachable { .. } => Error::Connection(format!(
-                "{error}: start one with `counterpointd`, or give its address with --server or in COUNTERPOINT_SERVER"
-            )),
-            other => other.into(),
-        })?;
+        let server = counterpoint_client::Client::connect(&settings).await?;
         Ok(Self { server, own: None, _data: None })
     }
 
@@ -148,25 +130,5 @@ impl Client {
             own.put_blob(blob.digest(), blob.content().clone()).map_err(counterpoint_client::Error::from)?;
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::is_encryption;
-
-    #[test]
-    fn failures_of_encryption_are_told_from_servers_that_are_not_there() {
-        for cause in [
-            "invalid peer certificate: UnknownIssuer",
-            "received fatal alert: CertificateRequired",
-            "received corrupt message of type InvalidContentType",
-            "tls handshake eof",
-        ] {
-            assert!(is_encryption(cause), "{cause}");
-        }
-        for cause in ["Connection refused (os error 111)", "failed to lookup address information", "timed out"] {
-            assert!(!is_encryption(cause), "{cause}");
-        }
     }
 }

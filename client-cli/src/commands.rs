@@ -73,7 +73,7 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let mut watch = client.watch(&job, v1::WatchLevel::Diagnostics);
     let mut files = Vec::new();
     loop {
-        match watch.next().await? {
+        match watch.next().await.map_err(|error| Error::from(error).of_job(&job))? {
             Update::Events(batch) => {
                 for line in batch.events.iter().filter_map(|event| event_line(event, &files)) {
                     say::data(line.as_bytes())?;

@@ -1,9 +1,15 @@
 //! Why a command failed, and its exit code.
 
+use std::ffi::OsStr;
 use std::io::ErrorKind;
+use std::time::Duration;
 
+use counterpoint_client::Misfit;
 use tonic::{Code, Status};
 use tonic_types::StatusExt as _;
+
+/// Variable with the token of the caller.
+const TOKEN: &str = "COUNTERPOINT_TOKEN";
 
 /// A failed command.
 #[derive(Debug, thiserror::Error)]
@@ -42,9 +48,37 @@ fn file_problem(path: &str, error: &std::io::Error) -> String {
 }
 
 fn refusal(status: &Status) -> String {
-    match status.get_error_details().error_info() {
+    let text = match status.get_error_details().error_info() {
         Some(info) => format!("{} ({})", status.message(), info.reason),
         None => status.message().to_owned(),
+    };
+    match status.code() {
+        Code::Unauthenticated => format!("{text}: {}", token(std::env::var_os(TOKEN).as_deref())),
+        _ => text,
+    }
+}
+
+/// The remedy for a refused token.
+fn token(given: Option<&OsStr>) -> &'static str {
+    match given {
+        Some(token) if !token.is_empty() => "the token came from COUNTERPOINT_TOKEN",
+        _ => "put a token for this server into COUNTERPOINT_TOKEN",
+    }
+}
+
+/// The error of a server that does not answer, with its remedy.
+fn unreachable(error: &counterpoint_client::Error) -> String {
+    match error.misfit() {
+        Some(Misfit::Certificate) => format!(
+            "{error}: check the address, that the certificate of the server is valid for it and signed by an \
+             authority that COUNTERPOINT_CA names, and the client's own in COUNTERPOINT_CLIENT_CERT and \
+             COUNTERPOINT_CLIENT_KEY"
+        ),
+        // The error has the remedy.
+        Some(Misfit::Encrypted | Misfit::Unencrypted) => error.to_string(),
+        None => format!(
+            "{error}: start one with `counterpointd`, or give its address with --server or in COUNTERPOINT_SERVER"
+        ),
     }
 }
 
@@ -62,6 +96,30 @@ impl Error {
         }
     }
 
+    /// The reason of a refusal as the contract lists it, for example `QUEUE_FULL`.
+    pub(crate) fn reason(&self) -> Option<String> {
+        match self {
+            Self::Refused(status) => status.get_error_details().error_info().map(|info| info.reason.clone()),
+            _ => None,
+        }
+    }
+
+    /// The pause before a repetition, if the server will have room for the request after other jobs have ended.
+    pub(crate) fn until_room(&self) -> Option<Duration> {
+        const PASSING: [&str; 4] = ["QUEUE_FULL", "MEMORY_FULL", "TOO_MANY_UPLOADS", "RATE_LIMITED"];
+        let Self::Refused(status) = self else { return None };
+        let passing = self.reason().is_some_and(|reason| PASSING.contains(&reason.as_str()));
+        status.get_error_details().retry_info().and_then(|info| info.retry_delay).filter(|_| passing)
+    }
+
+    /// Adds the job whose end a lost connection leaves unknown.
+    pub(crate) fn of_job(self, job: &str) -> Self {
+        match self {
+            Self::Connection(text) => Self::Connection(format!("the end of job {job} is not known yet: {text}")),
+            other => other,
+        }
+    }
+
     /// An error of a file.
     pub(crate) fn file(path: impl AsRef<std::path::Path>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.as_ref().display().to_string();
@@ -71,7 +129,7 @@ impl Error {
 
 impl From<Status> for Error {
     fn from(status: Status) -> Self {
-        Self::Refused(Box::new(status))
+        counterpoint_client::Error::from(status).into()
     }
 }
 
@@ -81,7 +139,30 @@ impl From<counterpoint_client::Error> for Error {
         match error {
             Client::Settings(text) => Self::Usage(text),
             Client::Refused(status) => Self::Refused(status),
-            Client::Unreachable { .. } | Client::Contract(_) => Self::Connection(error.to_string()),
+            Client::Unreachable { .. } => Self::Connection(unreachable(&error)),
+            Client::Contract(_) => Self::Connection(error.to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_connection_names_address_job_and_remedy() {
+        let (address, cause) = ("http://cell:7878".to_owned(), "Connection refused (os error 111)".to_owned());
+        let lost = counterpoint_client::Error::Unreachable { address, cause };
+        let text = Error::from(lost).of_job("01938f2c").to_string();
+        assert!(text.starts_with("the end of job 01938f2c is not known yet: no server answers at http://cell:7878"));
+        assert!(text.contains("Connection refused") && text.contains("COUNTERPOINT_SERVER"), "{text}");
+        assert_eq!(Error::Usage("wrong".to_owned()).of_job("x").to_string(), "wrong");
+    }
+
+    #[test]
+    fn a_certificate_that_is_refused_names_the_variables_of_certificates() {
+        let (address, cause) = ("https://cell:7878".to_owned(), "received fatal alert: CertificateRequired".to_owned());
+        let text = Error::from(counterpoint_client::Error::Unreachable { address, cause }).to_string();
+        assert!(text.contains("COUNTERPOINT_CLIENT_CERT") && !text.contains("COUNTERPOINT_SERVER"), "{text}");
     }
 }

@@ -644,6 +644,20 @@ fn the_token_and_the_authorities_come_from_the_environment() {
     assert_eq!(list(&url, "COUNTERPOINT_TOKEN", &token), (0, String::new()));
     let (status, talk) = list(&url, "COUNTERPOINT_TOKEN", "cpt_00");
     assert!(status == 3 && talk.contains("token is not known"), "{status} {talk}");
+    assert!(talk.contains("the token came from COUNTERPOINT_TOKEN"), "{talk}");
+    // An empty variable is an absent one.
+    for name in ["COUNTERPOINT_CA", "COUNTERPOINT_TOKEN"] {
+        let (status, talk) = list(&url, name, "");
+        assert!(status == 3 && talk.contains("put a token for this server into COUNTERPOINT_TOKEN"), "{status} {talk}");
+    }
+    for (name, missing) in [("CERT", "KEY"), ("KEY", "CERT")] {
+        let (status, talk) = list(
+            &url,
+            &format!("COUNTERPOINT_CLIENT_{name}"),
+            &folder.path().join("access.toml").display().to_string(),
+        );
+        assert!(status == 2 && talk.contains(&format!("COUNTERPOINT_CLIENT_{missing} is not")), "{status} {talk}");
+    }
     let (status, talk) = list("https://127.0.0.1:1", "COUNTERPOINT_CA", "no-such.pem");
     assert!(status != 0 && talk.contains("'no-such.pem' does not exist"), "{talk}");
 }
