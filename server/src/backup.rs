@@ -42,10 +42,25 @@ pub struct Contents {
 /// # Errors
 /// When `to` is not empty, when a file cannot be read or written, or when the server does not answer.
 pub fn backup(from: &Path, to: &Path) -> Result<Contents, String> {
+    has_ledger(from)?;
     make_empty(to)?;
     contained(|| copy_with_ledger(from, to))
         .and_then(|copied| copied)
         .map_err(|refusal| format!("the backup is not whole, remove '{}': {refusal}", to.display()))
+}
+
+/// Refuses a source that is not the data folder of a server.
+fn has_ledger(folder: &Path) -> Result<(), String> {
+    let shown = folder.display();
+    fs::metadata(folder).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => format!("'{shown}': there is no such folder; check --data"),
+        _ => format!("'{shown}': {error}"),
+    })?;
+    match folder.join("ledger.redb").try_exists() {
+        Ok(false) => Err(format!("'{shown}' is not a data folder: it has no ledger (ledger.redb); check --data")),
+        // The copy reports any other error.
+        _ => Ok(()),
+    }
 }
 
 fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {

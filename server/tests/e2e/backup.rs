@@ -88,6 +88,12 @@ async fn a_stopped_server_can_be_backed_up_and_a_damaged_backup_is_restored_only
     server.stop().await;
     let (code, text) = command(&["restore"], &folder.path().join("none"), &back).await;
     assert!(code == Some(3) && text.contains("not a backup"), "{text}");
-    let (code, text) = command(&["backup"], &folder.path().join("new"), &folder.path().join("none")).await;
-    assert!(code == Some(3) && text.contains("no such folder"), "{text}");
+    std::fs::create_dir(folder.path().join("other")).unwrap();
+    let target = folder.path().join("new");
+    for (source, what) in [("none", "there is no such folder"), ("other", "is not a data folder")] {
+        let source = folder.path().join(source);
+        let (code, text) = command(&["backup"], &target, &source).await;
+        assert!(code == Some(3) && text.contains(what) && text.contains(source.to_str().unwrap()), "{text}");
+        assert!(!text.contains("remove") && !target.exists(), "nothing was begun: {text}");
+    }
 }
