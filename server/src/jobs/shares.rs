@@ -111,6 +111,10 @@ impl Core {
         if all <= most {
             return Ok(());
         }
+        if bytes > most {
+            let text = format!("{bytes} bytes are more than the whole quota: ask the administrator to raise it");
+            return Err(Refusal::quota(tenant, "tenant_bytes", most, text));
+        }
         let text = format!(
             "{} bytes of ended jobs, {} of machines and {} of files are stored: delete ended jobs (DeleteJob) or \
              machines (DeleteMachine); files that nothing needs are removed after blob_grace_s",
