@@ -105,7 +105,7 @@ pub enum Refusal {
         text: String,
     },
     /// The admission queue is full.
-    #[error("the queue is full ({0} jobs)")]
+    #[error("the queue is full ({0} jobs, option queue): submit again later")]
     QueueFull(usize),
     /// The memory budget of the server does not have room for the request.
     #[error("the server has no memory for the request within its budget of {0} bytes (memory_bytes)")]

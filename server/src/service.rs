@@ -45,8 +45,10 @@ const CLOSING: Duration = Duration::from_secs(2);
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The address cannot be listened on.
-    #[error("cannot listen on {address}: {error}")]
+    #[error("cannot listen on {address} (option {option}): {error}")]
     Listen {
+        /// Option that sets the address.
+        option: &'static str,
         /// The address.
         address: SocketAddr,
         /// The error of the system.
@@ -210,14 +212,14 @@ pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Resu
     let webhooks =
         Webhooks::start(&options.tables.webhooks, options.guard.insecure, &metrics).map_err(Error::Webhooks)?;
     let address = options.listen;
-    let listen = |error| Error::Listen { address, error };
+    let listen = |error| Error::Listen { option: "listen", address, error };
     let listener = TcpListener::bind(address).await.map_err(listen)?;
     let address = listener.local_addr().map_err(listen)?;
     let monitor = match options.connections.metrics.as_str() {
         "" => None,
         text => {
             let address = text.parse().map_err(|_| Error::Metrics(text.to_owned()))?;
-            let listen = |error| Error::Listen { address, error };
+            let listen = |error| Error::Listen { option: "metrics", address, error };
             Some(TcpListener::bind(address).await.map_err(listen)?)
         }
     };

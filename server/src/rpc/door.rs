@@ -129,6 +129,12 @@ fn list<T>(field: &str, list: &[T], most: usize) -> Result<(), Refusal> {
     entries(field, list.len(), most)
 }
 
+/// The number of entries of a list that must not be empty, and whose limit is an option of the server.
+pub(super) fn some_entries(field: &str, count: usize, most: usize, option: &str) -> Result<(), Refusal> {
+    let rule = || format!("must have 1 to {most} entries (option {option} of the server), has {count}");
+    if (1..=most).contains(&count) { Ok(()) } else { Err(Refusal::field(field, rule())) }
+}
+
 /// The number of entries of a list or map.
 pub(super) fn entries(field: &str, count: usize, most: usize) -> Result<(), Refusal> {
     check(count <= most, field, format!("must have at most {most} entries, has {count}"))

@@ -7,7 +7,7 @@ use counterpoint_proto::v1;
 use counterpoint_proto::v1::machines_server::Machines as Service;
 use tonic::{Request, Response, Status};
 
-use super::door::enter;
+use super::door::{enter, some_entries};
 use super::{Machines, blocking, page, submit, to_the_end};
 use crate::access::Role;
 use crate::jobs::Core;
@@ -131,9 +131,7 @@ fn definition(core: &Core, tenant: String, name: String, files: Vec<v1::MachineF
     if !is_name(&name) {
         return Err(Refusal::field("name", "must be 1 to 64 characters of A-Z a-z 0-9 . _ - and not begin with a dot"));
     }
-    if files.is_empty() || files.len() > core.options.maxima.max_files {
-        return Err(Refusal::field("files", format!("must be 1 to {}", core.options.maxima.max_files)));
-    }
+    some_entries("files", files.len(), core.options.maxima.max_files, "max_files")?;
     core.blobs.of(&tenant).require(&mut files.iter().map(|file| &file.digest))?;
     let files = files.into_iter().map(|f| (f.path, f.digest)).collect();
     Ok(Definition { name, files, tenant, trusted: false })

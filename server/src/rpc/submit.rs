@@ -14,7 +14,7 @@ use counterpoint_proto::v1;
 use prost::Message as _;
 
 use super::blocking;
-use super::door::entries;
+use super::door::some_entries;
 use crate::blobs::digest;
 use crate::jobs::Core;
 use crate::ledger::NewJob;
@@ -133,7 +133,10 @@ fn deadline(ms: i64) -> Result<i64, Refusal> {
 }
 
 fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>, Refusal> {
-    entries("files", files.len(), core.options.maxima.max_files)?;
+    // Without files, the programs are refused.
+    if !files.is_empty() {
+        some_entries("files", files.len(), core.options.maxima.max_files, "max_files")?;
+    }
     let mut found = BTreeMap::new();
     for (i, file) in files.iter().enumerate() {
         let field = format!("files[{i}]");
@@ -145,10 +148,7 @@ fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>,
 }
 
 fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, String>) -> Result<Vec<Program>, Refusal> {
-    if programs.is_empty() || programs.len() > core.options.maxima.max_programs {
-        let text = format!("must be 1 to {}", core.options.maxima.max_programs);
-        return Err(Refusal::field("programs", text));
-    }
+    some_entries("programs", programs.len(), core.options.maxima.max_programs, "max_programs")?;
     let one = |(i, program): (usize, &v1::Program)| {
         if !files.contains_key(&program.path) {
             return Err(Refusal::field(format!("programs[{i}].path"), "is not among the files of the job"));
