@@ -71,8 +71,8 @@ pub enum Refusal {
     /// Another client steps through the job.
     #[error("another client steps through job '{0}'")]
     SteppedAlready(String),
-    /// The job has no log, because it could not be run.
-    #[error("job '{0}' has no results: it was never run")]
+    /// The job has no log: it could not be run, or was cancelled while it waited.
+    #[error("job '{0}' has no results: it ended without a finished run")]
     NoResults(String),
     /// The cursor lies behind the end of the log.
     #[error("the log ends at {last}, the cursor is {after}")]
