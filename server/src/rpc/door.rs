@@ -149,7 +149,16 @@ fn trace(field: &str, text: &str) -> Result<(), Refusal> {
 
 /// A chunk of an upload.
 pub(super) fn chunk(data: &[u8]) -> Result<(), Refusal> {
-    let rule = || format!("must have at most {UPLOAD} bytes in a message: send the content with Upload, in chunks");
+    bytes(data, "send the content in smaller chunks")
+}
+
+/// The content of a blob in one message.
+fn content(data: &[u8]) -> Result<(), Refusal> {
+    bytes(data, "send the content with Upload, in chunks")
+}
+
+fn bytes(data: &[u8], remedy: &str) -> Result<(), Refusal> {
+    let rule = || format!("must have at most {UPLOAD} bytes in a message, has {}: {remedy}", data.len());
     if data.len() <= UPLOAD { Ok(()) } else { Err(Refusal::field("data", rule())) }
 }
 
@@ -217,7 +226,7 @@ bounded! {
 
 impl Bounded for v1::PutBlobRequest {
     fn bounded(&self) -> Result<(), Refusal> {
-        chunk(&self.data)
+        content(&self.data)
     }
 }
 
