@@ -56,6 +56,7 @@ mod limits;
 mod many;
 #[cfg(target_os = "linux")]
 mod memory;
+mod messages;
 mod metrics;
 mod operator;
 mod otlp;
