@@ -37,7 +37,10 @@ pub(crate) async fn dispatch(command: Admin) -> Result<u8, Error> {
                     "the ledger had {before_bytes} bytes and has {after_bytes} now; submits waited {waited_ms} ms\n"
                 )
             } else {
-                format!("the ledger has {before_bytes} bytes, and cannot be smaller; submits waited {waited_ms} ms\n")
+                format!(
+                    "the ledger stays at {before_bytes} bytes, a copy would not be smaller; \
+                     submits waited {waited_ms} ms\n"
+                )
             }
         }
     };

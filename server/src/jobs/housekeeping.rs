@@ -110,7 +110,10 @@ impl Core {
         }
         let done = self.ledger.compact_blocking()?;
         let Compacted { before, after, time } = done;
-        tracing::info!(before, after, ?time, "the ledger has been compacted");
+        match after < before {
+            true => tracing::info!(before, after, ?time, "the ledger has been compacted"),
+            false => tracing::info!(bytes = before, ?time, "the ledger stays as it is: a copy would not be smaller"),
+        }
         Ok(done)
     }
 }
