@@ -179,7 +179,7 @@ pub(crate) struct Access {
     rates: Rates,
     refused: Mutex<Refused>,
     pub(crate) fair: Fair,
-    everybody: Arc<Identity>,
+    anonymous: Arc<Identity>,
     /// How often the file of identities was read again.
     reloads: watch::Sender<u64>,
 }
@@ -189,7 +189,7 @@ impl Access {
     pub(crate) fn open(options: &Guard) -> Result<Self, String> {
         let path = Some(options.access.clone()).filter(|path| !path.as_os_str().is_empty());
         let known = path.as_ref().map(|path| Known::read(path).map(Arc::new)).transpose()?;
-        let everybody = Identity { name: "anybody".to_owned(), tenant: tenant::default(), role: Role::Admin };
+        let anonymous = Identity { name: "anonymous".to_owned(), tenant: tenant::default(), role: Role::Admin };
         Ok(Self {
             path,
             known: RwLock::new(known),
@@ -197,7 +197,7 @@ impl Access {
             rates: Rates::new(options.max_calls_per_s),
             refused: Mutex::new(Refused::new(options.max_refused_per_s)),
             fair: Fair::default(),
-            everybody: Arc::new(everybody),
+            anonymous: Arc::new(anonymous),
             reloads: watch::Sender::new(0),
         })
     }
@@ -254,7 +254,7 @@ impl Access {
         names: &CertificateNames,
     ) -> Result<(Arc<Identity>, u64), Refusal> {
         let Some(known) = self.known.read().unwrap_or_else(PoisonError::into_inner).clone() else {
-            return Ok((self.everybody.clone(), u64::MAX));
+            return Ok((self.anonymous.clone(), u64::MAX));
         };
         let refuse = |text: &str| Refusal::Unauthenticated(text.to_owned());
         let Some(header) = authorization else {

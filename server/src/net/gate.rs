@@ -44,7 +44,7 @@ impl Gate {
         if !options.listen.ip().is_loopback() && !guard.insecure && (tls.is_none() || !identities) {
             return Err(format!(
                 "{} can be reached from other machines: give tls_cert, tls_key and access (docs/security.md), or \
-                 --insecure to let everybody who can reach it do everything",
+                 --insecure to let every caller that reaches it do everything",
                 options.listen
             ));
         }

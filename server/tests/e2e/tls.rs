@@ -181,5 +181,6 @@ async fn encryption_without_identities_stays_on_this_computer() {
     assert_eq!(job.tenant, "default");
     let listed = caller.admin().list_connections(v1::ListConnectionsRequest {}).await.unwrap().into_inner();
     assert_eq!(listed.connections.len(), 1, "the call needs the role admin");
+    assert_eq!(listed.connections[0].identity, "anonymous");
     stop(server).await;
 }
