@@ -3,6 +3,7 @@
 use counterpoint_proto::v1;
 
 use crate::arguments::NAME;
+use crate::text::time;
 
 /// Duration of the last run of a job, or of the current run so far, ms; none for a waiting job.
 pub(crate) fn ran_ms(job: &v1::JobStatus, now_ms: i64) -> Option<i64> {
@@ -12,6 +13,16 @@ pub(crate) fn ran_ms(job: &v1::JobStatus, now_ms: i64) -> Option<i64> {
         (ended, _) => ended,
     };
     (job.started_ms > 0).then(|| end.saturating_sub(job.started_ms).max(0))
+}
+
+/// The simulated time of an ended job; none if no run of it was finished.
+pub(crate) fn simulated(job: &v1::JobStatus) -> Option<String> {
+    (job.ended_ms > 0 && !job.log_digest.is_empty()).then(|| time(job.makespan_ns))
+}
+
+/// The name of the simulated time: only a job that has succeeded has a cycle time.
+pub(crate) fn simulated_label(job: &v1::JobStatus) -> &'static str {
+    if job.state() == v1::JobState::Succeeded { "cycle time" } else { "stopped after" }
 }
 
 /// The labels of a job, its name first: `bracket 17 order=4711`.
@@ -49,12 +60,17 @@ pub(crate) fn as_json(job: &v1::JobStatus) -> serde_json::Value {
         "submitted_ms": job.submitted_ms,
         "started_ms": job.started_ms,
         "ended_ms": job.ended_ms,
+        "attempt": job.attempt,
+        "cpu_us": job.cpu_us,
     });
     let mut add = |key: &str, value: serde_json::Value| {
         json.as_object_mut().map(|object| object.insert(key.to_owned(), value));
     };
     if job.cause() != v1::JobCause::Unspecified {
         add("cause", job.cause().as_str_name().trim_start_matches("JOB_CAUSE_").into());
+    }
+    if job.limit() != v1::JobLimit::Unspecified {
+        add("limit", job.limit().as_str_name().trim_start_matches("JOB_LIMIT_").into());
     }
     if !job.short_id.is_empty() {
         add("short_id", job.short_id.clone().into());

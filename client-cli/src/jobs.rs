@@ -8,8 +8,8 @@ use counterpoint_proto::v1;
 use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
 use crate::client::Client;
 use crate::error::Error;
-use crate::instant::date_and_time;
-use crate::job_status::{as_json, labels, programs, ran_ms, state_name};
+use crate::instant::{date_and_time, instant};
+use crate::job_status::{as_json, labels, programs, ran_ms, simulated, state_name};
 use crate::text::{table, time};
 use crate::{job_names, say};
 
@@ -143,7 +143,7 @@ fn row(job: &v1::JobStatus, long: bool, now_ms: i64) -> Vec<String> {
         _ => format!("{started_day} {started}"),
     };
     let ran = ran_ms(job, now_ms).map_or_else(|| "-".to_owned(), |ms| time(ms.saturating_mul(1_000_000)));
-    let cycle = if job.ended_ms > 0 { time(job.makespan_ns) } else { "-".to_owned() };
+    let cycle = simulated(job).unwrap_or_else(|| "-".to_owned());
     let (labels, submitted) = (labels(job), format!("{day} {submitted}"));
     vec![id.clone(), state_name(job), submitted, started, ran, cycle, job.machine.clone(), labels, programs(job)]
 }

@@ -6,7 +6,7 @@ use crate::arguments::Status;
 use crate::client::Client;
 use crate::error::Error;
 use crate::instant::instant;
-use crate::job_status::{as_json, labels, programs, ran_ms, state_name};
+use crate::job_status::{as_json, labels, programs, ran_ms, simulated, simulated_label, state_name};
 use crate::jobs::now_ms;
 use crate::text::time;
 use crate::{job_names, say};
@@ -58,13 +58,13 @@ fn shown(job: &v1::JobStatus, pinned: &str, now_ms: i64) -> String {
         ("attempts", count(job.attempt)),
         ("rerun of", job.rerun_of.clone()),
         ("results of", job.reused_from.clone()),
-        ("cycle time", if job.ended_ms > 0 { time(job.makespan_ns) } else { String::new() }),
+        (simulated_label(job), simulated(job).unwrap_or_default()),
         ("cause", if cause == "unspecified" { String::new() } else { cause }),
         ("verdict", job.verdict.clone()),
         ("error", job.error.clone()),
         ("host", job.host_failure.clone()),
     ];
-    let line = |(key, value): &(&str, String)| format!("{key:<11} {value}\n");
+    let line = |(key, value): &(&str, String)| format!("{key:<13} {value}\n");
     rows.iter().filter(|(_, value)| !value.is_empty()).map(line).collect()
 }
 
@@ -89,15 +89,31 @@ mod tests {
         assert_eq!(
             text.lines().collect::<Vec<_>>(),
             [
-                "job         01938f2c",
-                "labels      bracket 17 shift=early",
-                "state       RUNNING",
-                "machine     fanuc-mill, guessed from T1 M6 (line 2)",
-                "submitted   1970-01-01 00:00:01 UTC",
-                "started     1970-01-01 00:00:03 UTC",
-                "ran         00:01.500",
+                "job           01938f2c",
+                "labels        bracket 17 shift=early",
+                "state         RUNNING",
+                "machine       fanuc-mill, guessed from T1 M6 (line 2)",
+                "submitted     1970-01-01 00:00:01 UTC",
+                "started       1970-01-01 00:00:03 UTC",
+                "ran           00:01.500",
             ]
         );
         assert_eq!(heading(&job), "job 01938f2c  bracket 17 shift=early  submitted 1970-01-01 00:00:01 UTC\n");
+    }
+
+    #[test]
+    fn only_a_job_that_has_succeeded_has_a_cycle_time() {
+        let shown_of = |state: v1::JobState, log_digest: &str| {
+            let (state, log_digest) = (state.into(), log_digest.to_owned());
+            let job =
+                v1::JobStatus { state, log_digest, ended_ms: 1000, makespan_ns: 2_500_000_000, ..Default::default() };
+            shown(&job, "fanuc-mill", 2000)
+        };
+        assert!(shown_of(v1::JobState::Succeeded, "aa").contains("\ncycle time    00:02.500\n"));
+        assert!(shown_of(v1::JobState::Failed, "aa").contains("\nstopped after 00:02.500\n"));
+        for absent in ["cycle time", "stopped after"] {
+            let text = shown_of(v1::JobState::Cancelled, "");
+            assert!(!text.contains(absent), "the job was not run: {text}");
+        }
     }
 }

@@ -865,7 +865,7 @@ fn an_equal_job_on_a_server_has_the_results_of_the_first() {
     let (first, of) = job(&mill);
     let (second, of_first) = job(&mill);
     assert_eq!((of.as_str(), of_first.as_str()), ("", first.as_str()));
-    assert!(call(&["status", &second]).contains(&format!("results of  {first}")));
+    assert!(call(&["status", &second]).contains(&format!("results of    {first}")));
     for kind in ["summary", "listing", "events", "toolpath"] {
         assert_eq!(call(&["result", &first, kind]), call(&["result", &second, kind]), "{kind}");
     }
