@@ -158,8 +158,13 @@ async fn every_call_has_a_line_and_every_line_works() {
     for service in services.iter().filter(|name| name.starts_with("counterpoint.")) {
         reflection.files(service, &mut files).await;
     }
+    // A client needs them to show a refusal.
+    reflection.files("google.rpc.ErrorInfo", &mut files).await;
     let mut pool = DescriptorPool::new();
     pool.add_file_descriptor_protos(files.into_values()).unwrap();
+    for detail in ["ErrorInfo", "BadRequest", "QuotaFailure", "RetryInfo"] {
+        assert!(pool.get_message_by_name(&format!("google.rpc.{detail}")).is_some(), "{detail}");
+    }
     let all: BTreeSet<String> = pool
         .services()
         .flat_map(|service| service.methods().map(|method| method.full_name().to_owned()).collect::<Vec<_>>())
