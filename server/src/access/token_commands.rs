@@ -34,7 +34,7 @@ pub enum TokenCommand {
         #[arg(long, default_value = "token")]
         name: String,
         /// Days until the token expires [default: never]
-        #[arg(long, value_name = "N")]
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
         days: Option<u64>,
         /// File of identities [default: the file named in the configuration]
         #[arg(long, value_name = "FILE.toml")]

@@ -36,6 +36,10 @@ async fn a_token_is_made_listed_and_revoked_and_the_server_follows_when_it_reads
     server.handle.reload();
     caller.jobs().list_jobs(list()).await.unwrap();
 
+    let (code, out, refusal) = token(&access, &["new", "--tenant", "t", "--role", "read", "--days", "0"]);
+    assert_eq!((code, out.as_str()), (Some(2), ""), "a token that has expired is of no use");
+    assert!(refusal.contains("--days"), "{refusal}");
+
     let (code, listed, _) = token(&access, &["list"]);
     assert_eq!((code, listed.lines().count()), (Some(0), 1));
     assert!(listed.trim().ends_with("  ci  t  read  expires in 9 days"), "{listed}");
