@@ -70,7 +70,11 @@ impl Deliveries {
                 Err(_) => format!("no answer within {} s", self.retries.attempt.as_secs()),
             };
             let over = message.made.elapsed() + pause > self.retries.age;
-            if over || *self.closed.borrow() {
+            let closed = *self.closed.borrow();
+            if closed {
+                self.target.left.fetch_add(1, Ordering::Relaxed);
+            }
+            if over || closed {
                 self.report(message, &format!("{reason}; it is given up"));
                 return WebhookOutcome::GivenUp;
             }

@@ -13,7 +13,7 @@ mod target;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -121,24 +121,26 @@ impl Webhooks {
         }
     }
 
-    /// Takes no more messages, and tries each remaining one once, all within a second.
-    pub(crate) fn close(&self) {
+    /// Takes no more messages, and tries each remaining one once, all within a second. Returns the number of messages
+    /// that were not delivered.
+    pub(crate) fn close(&self) -> usize {
         let lines = std::mem::take(&mut *self.lines.lock().unwrap_or_else(PoisonError::into_inner));
         if lines.is_empty() {
-            return;
+            return 0;
         }
         let targets: Vec<_> = lines.into_iter().map(|line| line.target).collect();
         self.closing.send_replace(true);
         let done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
-        if done.recv_timeout(CLOSING) == Err(RecvTimeoutError::Timeout) {
-            for target in &targets {
-                let messages = target.waiting.load(Ordering::Relaxed);
-                if messages > 0 {
-                    let webhook = &target.name;
-                    tracing::warn!(webhook, messages, "the server stops before these webhooks are delivered");
-                }
+        // The thread ends when each message has been tried.
+        let _ = done.recv_timeout(CLOSING);
+        for target in &targets {
+            let messages = target.undelivered();
+            if messages > 0 {
+                let webhook = &target.name;
+                tracing::warn!(webhook, messages, "the server stops before these webhooks are delivered");
             }
         }
+        targets.iter().map(|target| target.undelivered()).sum()
     }
 }
 

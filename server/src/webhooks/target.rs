@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -33,6 +33,8 @@ pub(super) struct Target {
     pub(super) tls: Option<(TlsConnector, ServerName<'static>)>,
     /// Messages that wait or are being sent.
     pub(super) waiting: AtomicUsize,
+    /// Messages given up while the server stops.
+    pub(super) left: AtomicUsize,
     secret: hmac::Key,
     /// Tenants; none = all.
     tenants: Option<Vec<String>>,
@@ -76,6 +78,7 @@ impl Target {
             endpoint,
             tls,
             waiting: AtomicUsize::new(0),
+            left: AtomicUsize::new(0),
             secret: secret(&webhook.secret_file)?,
             tenants: (!all).then(|| webhook.tenants.clone()),
             states,
@@ -86,6 +89,11 @@ impl Target {
     pub(super) fn wants(&self, record: &Record) -> bool {
         let of_tenant = self.tenants.as_ref().is_none_or(|tenants| tenants.contains(&record.tenant));
         of_tenant && record.state.ended() && (self.states.is_empty() || self.states.contains(&record.state))
+    }
+
+    /// Messages that a server that has stopped did not deliver.
+    pub(super) fn undelivered(&self) -> usize {
+        self.waiting.load(Ordering::Relaxed) + self.left.load(Ordering::Relaxed)
     }
 
     /// The signature of a message: of its id, the time of sending in seconds, and its body.

@@ -211,7 +211,7 @@ fn a_target_hears_of_its_tenants_and_states_only_and_none_delays_another() {
     jobs.iter().for_each(|(id, tenant, state)| webhooks.ended(&ended(id, tenant, *state)));
     let ids = || received.recv_timeout(PATIENCE).unwrap().header("webhook-id").to_owned();
     assert_eq!([ids(), ids()], ["job_2", "job_4"]);
-    webhooks.close();
+    assert_eq!(webhooks.close(), 4, "the log has the number for each target");
     assert_eq!((count(&metrics, "cell", "delivered"), count(&metrics, "down", "given_up")), (2, 4));
 }
 
