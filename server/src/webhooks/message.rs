@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use crate::ledger::record::{Record, State};
+use crate::ledger::record::{Cause, Record, State};
 
 /// A message.
 #[derive(Debug, Clone)]
@@ -13,6 +13,16 @@ pub(super) struct Message {
     pub(super) id: String,
     pub(super) body: String,
     pub(super) made: Instant,
+}
+
+/// The cause of a failure, as the status of the job names it.
+fn cause(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Program => "PROGRAM",
+        Cause::Machine => "MACHINE",
+        Cause::Limit => "LIMIT",
+        Cause::Host => "HOST",
+    }
 }
 
 impl Message {
@@ -35,6 +45,7 @@ impl Message {
                 "machine": record.machine_name,
                 "labels": record.asked.labels,
                 "state": state,
+                "cause": record.runs.cause.map(cause),
                 "error": record.error,
                 "verdict": record.verdict,
                 "limit": record.runs.reached.map(|limit| limit.name()),

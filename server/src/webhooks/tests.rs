@@ -14,7 +14,7 @@ use super::Webhooks;
 use super::delivery::Retries;
 use super::target::Target;
 use crate::ledger::record::tests::record;
-use crate::ledger::record::{Record, State};
+use crate::ledger::record::{Cause, Record, State};
 use crate::metrics::Metrics;
 use crate::options::Webhook;
 
@@ -131,14 +131,16 @@ fn the_end_of_a_job_is_posted_with_a_signature() {
     let table = Table::new().with("mes", &format!("http://{address}/hook?cell=3"), &["default"], &[]);
     let metrics = Arc::new(Metrics::new());
     let webhooks = table.start(&metrics);
-    webhooks.ended(&ended("7", "default", State::Failed));
+    let mut failed = ended("7", "default", State::Failed);
+    failed.runs.cause = Some(Cause::Limit);
+    webhooks.ended(&failed);
     let request = received.recv_timeout(PATIENCE).unwrap();
     assert!(request.head.starts_with("POST /hook?cell=3 HTTP/1.1\r\n"), "{}", request.head);
     assert_eq!(request.header("content-type"), "application/json");
     assert_eq!(request.header("webhook-id"), "job_7");
     let body: serde_json::Value = serde_json::from_str(&request.body).unwrap();
     assert_eq!((&body["type"], &body["data"]["state"]), (&"job.ended".into(), &"FAILED".into()));
-    assert_eq!(body["data"]["job_id"], "7");
+    assert_eq!((&body["data"]["job_id"], &body["data"]["cause"]), (&"7".into(), &"LIMIT".into()));
     let of = Target::new("mes", &table.targets["mes"], false).unwrap();
     let seconds = request.header("webhook-timestamp").parse().unwrap();
     assert_eq!(request.header("webhook-signature"), of.signature("job_7", seconds, &request.body));
