@@ -20,6 +20,8 @@ use crate::clock::now_ms;
 
 /// Most bytes of the path of a call.
 const CALL: usize = 128;
+/// Most bytes of the reason of a refusal, which may contain texts of the client.
+const REASON: usize = 256;
 
 /// The log.
 #[derive(Debug)]
@@ -42,6 +44,9 @@ struct Line<'a> {
     #[serde(skip_serializing_if = "str::is_empty")]
     target: &'a str,
     code: String,
+    /// Why the call was refused.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    reason: &'a str,
     /// Refused calls of the same address before this one that have no line.
     #[serde(skip_serializing_if = "is_zero")]
     left_out: u64,
@@ -50,6 +55,11 @@ struct Line<'a> {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
 fn is_zero(number: &u64) -> bool {
     *number == 0
+}
+
+/// The beginning of a text.
+fn cut(text: &str, most: usize) -> &str {
+    text.get(..text.floor_char_boundary(most)).unwrap_or_default()
 }
 
 fn open(path: &Path) -> std::io::Result<File> {
@@ -91,17 +101,24 @@ impl Audit {
         targets: &[String],
     ) {
         if changes(call) {
-            self.note_of(peer, identity, call, targets, Code::Cancelled);
+            self.note_of(peer, identity, call, targets, (Code::Cancelled, ""));
         }
     }
 
-    /// Notes a call.
-    pub(crate) fn note(&self, peer: SocketAddr, caller: Option<&Caller>, call: &str, code: Code) {
+    /// Notes a call with its code and, if it was refused, the reason.
+    pub(crate) fn note(&self, peer: SocketAddr, caller: Option<&Caller>, call: &str, outcome: (Code, &str)) {
         let targets = caller.map(Caller::targets).unwrap_or_default();
-        self.note_of(peer, caller.map(|caller| &*caller.identity), call, &targets, code);
+        self.note_of(peer, caller.map(|caller| &*caller.identity), call, &targets, outcome);
     }
 
-    fn note_of(&self, peer: SocketAddr, identity: Option<&Identity>, call: &str, targets: &[String], code: Code) {
+    fn note_of(
+        &self,
+        peer: SocketAddr,
+        identity: Option<&Identity>,
+        call: &str,
+        targets: &[String],
+        (code, reason): (Code, &str),
+    ) {
         if code == Code::Ok && !changes(call) {
             return;
         }
@@ -118,7 +135,7 @@ impl Audit {
                 Some((_, before)) => left_out = before,
             }
         }
-        let (peer, call) = (&*peer.to_string(), call.get(..call.floor_char_boundary(CALL)).unwrap_or_default());
+        let (peer, call, reason) = (&*peer.to_string(), cut(call, CALL), cut(reason, REASON));
         let none = [String::new()];
         for target in if targets.is_empty() { &none[..] } else { targets } {
             self.write(&Line {
@@ -130,6 +147,7 @@ impl Audit {
                 call,
                 target,
                 code: format!("{code:?}"),
+                reason,
                 left_out,
             });
         }
@@ -154,6 +172,7 @@ impl Audit {
             call: "",
             target: "",
             code: String::new(),
+            reason: "",
             left_out,
         });
     }

@@ -84,12 +84,27 @@ impl Key {
     pub(super) fn verify(&self, token: &str) -> Result<(Identity, u64), String> {
         let decoded = decode::<Claims>(token, &self.key, &self.validation);
         let Claims { sub, tenant, role, exp } =
-            decoded.map_err(|error| format!("the token is refused: {error}"))?.claims;
+            decoded.map_err(|error| format!("the token is refused: {}", reason(error.kind())))?.claims;
         let allowed = self.tenants.is_empty() || self.tenants.contains(&tenant);
         if !is_tenant(&tenant) || !allowed || role > self.most {
             return Err("the key of the token may not give this tenant and role".to_owned());
         }
         Ok((Identity { name: sub, tenant, role }, exp))
+    }
+}
+
+/// Why a token is refused.
+fn reason(kind: &ErrorKind) -> String {
+    match kind {
+        ErrorKind::ExpiredSignature => "it has expired (exp)".to_owned(),
+        ErrorKind::ImmatureSignature => "it is not valid yet (nbf)".to_owned(),
+        ErrorKind::InvalidSignature => "its signature does not fit its key".to_owned(),
+        ErrorKind::InvalidAlgorithm => "its algorithm is not the algorithm of its key".to_owned(),
+        ErrorKind::InvalidAudience => "its audience (aud) is not the audience of its key".to_owned(),
+        ErrorKind::InvalidIssuer => "its issuer (iss) is not the issuer of its key".to_owned(),
+        ErrorKind::MissingRequiredClaim(claim) => format!("it has no {claim}"),
+        ErrorKind::Json(error) => format!("it must have sub, tenant, role and exp ({error})"),
+        other => format!("{other:?}"),
     }
 }
 

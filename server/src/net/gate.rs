@@ -11,6 +11,7 @@ use http::{HeaderMap, Request, Response};
 use hyper::body::Incoming;
 use tonic::body::Body;
 use tonic::{Code, Status};
+use tonic_types::StatusExt as _;
 
 use super::held::Ended;
 use super::tls::Tls;
@@ -140,7 +141,7 @@ impl Gate {
             self.metrics.rates.limited.inc();
         }
         let status = Status::from(refusal);
-        self.note(peer, caller, path, status.code());
+        self.note(peer, caller, path, (status.code(), &reason(&status)));
         self.metrics.call(calls::name(path), name(status.code()), Duration::ZERO);
         status.into_http()
     }
@@ -180,7 +181,8 @@ impl Gate {
     ) {
         let code = answer.headers().get("grpc-status").map_or(Code::Ok, |code| Code::from_bytes(code.as_bytes()));
         self.metrics.call(calls::name(path), name(code), time);
-        self.note(peer, caller, path, code);
+        let refusal = if self.audit.is_some() { Status::from_header_map(answer.headers()) } else { None };
+        self.note(peer, caller, path, (code, &refusal.map_or_else(String::new, |status| reason(&status))));
     }
 
     /// Notes a call that its client has ended before its answer.
@@ -190,10 +192,20 @@ impl Gate {
         }
     }
 
-    fn note(&self, peer: SocketAddr, caller: Option<&Caller>, path: &str, code: Code) {
+    fn note(&self, peer: SocketAddr, caller: Option<&Caller>, path: &str, outcome: (Code, &str)) {
         if let Some(audit) = &self.audit {
-            audit.note(peer, caller, path, code);
+            audit.note(peer, caller, path, outcome);
         }
+    }
+}
+
+/// Why a call was refused, for the audit log: of an unknown or denied caller the message, otherwise the stable reason,
+/// since messages may quote contents of files.
+fn reason(status: &Status) -> String {
+    match status.code() {
+        Code::Ok => String::new(),
+        Code::Unauthenticated | Code::PermissionDenied => status.message().to_owned(),
+        _ => status.get_error_details().error_info().map_or_else(String::new, |info| info.reason.clone()),
     }
 }
 

@@ -164,6 +164,31 @@ async fn every_call_that_changes_something_is_in_the_audit_log_with_its_target()
     assert_eq!(lines(&audit), refused.chain(made).collect::<Vec<_>>());
 }
 
+/// An administrator sees why a token was refused; no content of a file is in the log.
+#[tokio::test]
+async fn a_refused_call_has_its_reason_in_the_audit_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let (options, audit) = audited(folder.path());
+    let (submit, read) = (grant(&options, "ci", "t", Role::Submit), grant(&options, "viewer", "t", Role::Read));
+    let server = Server::start(options).await;
+    for token in ["cpt_unknown", &read, &submit] {
+        let caller = As::new(&server, token);
+        let files = vec![v1::MachineFile { path: "own/machine.toml".into(), digest: digest(b"absent") }];
+        let put = v1::PutMachineRequest { name: "own".into(), files };
+        caller.machines().put_machine(put).await.unwrap_err();
+    }
+    server.stop().await;
+    let text = std::fs::read_to_string(&audit).unwrap();
+    let reasons: Vec<String> = text
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap()["reason"].as_str().unwrap().to_owned())
+        .collect();
+    assert_eq!(reasons.len(), 3, "{text}");
+    assert!(reasons[0].contains("the token is not known"), "{text}");
+    assert!(reasons[1].contains("submit"), "the role that the call needs: {text}");
+    assert_eq!(reasons[2], "MISSING_BLOBS", "{text}");
+}
+
 /// Ids and names of the client may be long; the log stays small.
 #[tokio::test]
 async fn a_long_target_and_a_long_path_are_cut_in_the_audit_log() {
