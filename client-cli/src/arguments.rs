@@ -118,7 +118,7 @@ pub(crate) enum Command {
     Attend(Follow),
     /// Step through a job submitted with --step, with the commands of `run --step`
     Step(Follow),
-    /// Wait for the end of a job
+    /// Wait for the ends of jobs
     Wait(Wait),
     /// List the jobs of a server
     #[command(after_help = JOBS_EXAMPLES)]
@@ -259,12 +259,21 @@ pub(crate) struct Submit {
     pub(crate) json: bool,
 }
 
-/// A job whose end is awaited.
+/// Jobs whose ends are awaited.
 #[derive(Debug, Args)]
 pub(crate) struct Wait {
+    /// Ids of the jobs, or prefixes of them
+    #[arg(required = true, value_name = "JOB")]
+    pub(crate) jobs: Vec<String>,
     #[command(flatten)]
-    pub(crate) job: Follow,
-    /// Print the status of the ended job as JSON
+    pub(crate) remote: Remote,
+    /// Print only errors
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+    /// Exit with code 1 even if there are only warnings
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// Print the status of each ended job as JSON, one object per line
     #[arg(long)]
     pub(crate) json: bool,
 }

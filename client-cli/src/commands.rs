@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::event_line::event_line;
 use crate::job_status::as_json;
 use crate::many::Act;
-use crate::outcome::ended;
+use crate::outcome::{ended, ended_by_name};
 use crate::output_folder::{OutputFolder, drawn_timeline};
 use crate::progress::Progress;
 use crate::report::report;
@@ -116,13 +116,22 @@ async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     }
 }
 
-async fn wait(Wait { job: Follow { of: arguments, strict }, json }: Wait) -> Result<u8, Error> {
-    let (client, job) = connected(&arguments).await?;
-    let status = client.wait(&job).await?;
-    if json {
-        say::verdict(format!("{}\n", as_json(&status)).as_bytes())?;
+/// Waits for jobs, one after another; the exit code is the highest.
+async fn wait(Wait { jobs, remote, quiet, strict, json }: Wait) -> Result<u8, Error> {
+    let client = Client::connect(&remote.server).await?;
+    let mut ids = Vec::new();
+    for job in &jobs {
+        ids.push(job_names::whole(&client, job).await?);
     }
-    Ok(ended(&status, strict))
+    let mut code = 0;
+    for job in &ids {
+        let status = client.wait(job).await.map_err(|error| error.of_job(job))?;
+        if json {
+            say::verdict(format!("{}\n", as_json(&status)).as_bytes())?;
+        }
+        code = code.max(ended_by_name(&status, strict, quiet));
+    }
+    Ok(code)
 }
 
 async fn pause(arguments: JobArgs) -> Result<u8, Error> {

@@ -70,6 +70,17 @@ pub(crate) fn request(arguments: &RequestArgs) -> v1::SubmitJobRequest {
     }
 }
 
+/// Refuses a deadline that has passed. A repeated request keeps its deadline: it returns the job that it created.
+pub(crate) fn check_deadline(arguments: &RequestArgs) -> Result<(), Error> {
+    match arguments.deadline {
+        Some(When::At(ms)) if ms <= now_ms() && arguments.request_id.is_none() => {
+            let (deadline, now) = (instant(ms), instant(now_ms()));
+            Err(Error::Usage(format!("--deadline: {deadline} UTC has passed, it is {now}: the job would not run")))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Reports that the job had ended before the command: the server accepts it, and nothing changes.
 pub(crate) async fn say_ended(client: &Client, job: &str) -> Result<(), Error> {
     use v1::JobState::{Cancelled, Failed, Succeeded};
@@ -84,6 +95,7 @@ pub(crate) async fn say_ended(client: &Client, job: &str) -> Result<(), Error> {
 
 /// Runs a job again.
 pub(crate) async fn rerun(arguments: Rerun) -> Result<u8, Error> {
+    check_deadline(&arguments.request)?;
     let client = Client::connect(&arguments.remote.server).await?;
     let job_id = job_names::whole(&client, &arguments.job).await?;
     let v1::SubmitJobRequest { request_id, labels, priority, deadline_ms, .. } = request(&arguments.request);

@@ -4,22 +4,34 @@ use counterpoint_proto::v1;
 
 use crate::error::Error;
 use crate::findings;
+use crate::job_status::{programs, simulated, simulated_label, state_name};
 use crate::say;
 use crate::severity::WARNING;
-use crate::text::time;
 
 /// Prints how a job ended and returns the exit code.
 pub(crate) fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
-    if let Some(code) = not_run(status) {
-        return code;
+    not_run(status).unwrap_or_else(|| {
+        say::status_line(format!("{}  {}", end(status), status.verdict).trim_end());
+        exit_code(status, strict)
+    })
+}
+
+/// Same with the id and the programs of the job, for one of several jobs. `quiet`: only reasons why it was not run.
+pub(crate) fn ended_by_name(status: &v1::JobStatus, strict: bool, quiet: bool) -> u8 {
+    if !quiet {
+        let line = format!("{}  {}  {}  {}", status.job_id, end(status), programs(status), status.verdict);
+        say::status_line(line.trim_end());
     }
-    let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
+    not_run(status).unwrap_or_else(|| exit_code(status, strict))
+}
+
+/// The state of an ended job with its simulated time.
+fn end(status: &v1::JobStatus) -> String {
+    let state = state_name(status);
     let succeeded = status.state() == v1::JobState::Succeeded;
     let warnings = if succeeded && status.highest_severity >= WARNING { ", with warnings" } else { "" };
-    let label = if succeeded { "cycle time" } else { "after" };
-    let text = format!("{state}{warnings}  {label} {}  {}", time(status.makespan_ns), status.verdict);
-    say::status_line(text.trim_end());
-    exit_code(status, strict)
+    let time = simulated(status).map(|time| format!("  {} {time}", simulated_label(status)));
+    format!("{state}{warnings}{}", time.unwrap_or_default())
 }
 
 /// Prints why a job could not be run and returns the exit code; `None` if it was run.

@@ -123,26 +123,50 @@ fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
 
 /// Submits programs to a server.
 pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
+    jobs::check_deadline(&arguments.request)?;
     if arguments.each {
         return submit_each(arguments).await;
     }
     let pack = pack::job(&arguments.inputs)?;
     let client = Client::connect(&arguments.remote.server).await?;
-    let job = submit_one(&client, &arguments, pack, jobs::request(&arguments.request)).await?;
+    let name = machine(&client, &arguments.inputs, &pack, false).await?;
+    let submission = submission(&arguments, jobs::request(&arguments.request));
+    let job = submit_pack(&client, &arguments.inputs, pack, name, submission).await?;
     jobs::say_id(&job, arguments.json)?;
     Ok(0)
 }
 
-async fn submit_one(
+/// Submits one of several programs. While the server has no room for the job, the program waits.
+async fn submit_next(
     client: &Client,
-    Submit { inputs, no_cache, .. }: &Submit,
-    pack: pack::Pack,
+    arguments: &Submit,
     request: v1::SubmitJobRequest,
+    program: &str,
 ) -> Result<String, Error> {
+    let inputs = &arguments.inputs;
+    let mut pack = pack::job(inputs)?;
     let name = machine(client, inputs, &pack, false).await?;
-    let submission =
-        Submission { request, attended: inputs.operator.attend, no_cache: *no_cache, ..Submission::default() };
-    submit_pack(client, inputs, pack, name, submission).await
+    let mut waits = false;
+    loop {
+        let submission = submission(arguments, request.clone());
+        let error = match submit_pack(client, inputs, pack, name.clone(), submission).await {
+            Err(error) => error,
+            done => return done,
+        };
+        let Some(pause) = error.until_room() else { return Err(error) };
+        if !waits {
+            say::status_line(styled(DIM, format!("{program} waits: {error}")));
+            waits = true;
+        }
+        tokio::time::sleep(pause).await;
+        pack = pack::job(inputs)?;
+    }
+}
+
+/// How the programs of `submit` are submitted.
+fn submission(arguments: &Submit, request: v1::SubmitJobRequest) -> Submission {
+    let (attended, no_cache) = (arguments.inputs.operator.attend, arguments.no_cache);
+    Submission { request, attended, no_cache, ..Submission::default() }
 }
 
 /// Submits each program as a job. A program that cannot be submitted is reported, and the others are submitted; the exit
@@ -156,11 +180,7 @@ async fn submit_each(mut arguments: Submit) -> Result<u8, Error> {
         let request =
             v1::SubmitJobRequest { request_id: format!("{id}-{number}"), ..jobs::request(&arguments.request) };
         arguments.inputs.programs = vec![program.clone()];
-        let done = match pack::job(&arguments.inputs) {
-            Ok(pack) => submit_one(&client, &arguments, pack, request).await,
-            Err(error) => Err(error),
-        };
-        match done {
+        match submit_next(&client, &arguments, request, &program).await {
             Ok(job) if arguments.json => {
                 say::data(format!("{}\n", serde_json::json!({ "job": job, "program": program })).as_bytes())?;
             }
@@ -170,6 +190,12 @@ async fn submit_each(mut arguments: Submit) -> Result<u8, Error> {
                 say::status_line(format!("{program}: not submitted"));
                 say::error(&error);
                 code = code.max(error.code());
+                if arguments.json {
+                    let reason = error.reason();
+                    let object =
+                        serde_json::json!({ "program": program, "error": error.to_string(), "reason": reason });
+                    say::data(format!("{object}\n").as_bytes())?;
+                }
             }
         }
     }
@@ -187,8 +213,13 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
         }
         return changed(client, &guess.machine, inputs, quiet).await;
     };
-    if !machine_folder::is_folder(machine) {
-        known::machine(machine, client.is_embedded())?;
+    match machine_folder::is_folder(machine) {
+        false => known::machine(machine, client.is_embedded())?,
+        true if !quiet && !machine.contains(['/', '\\']) && !client.is_embedded() => say::status_line(styled(
+            DIM,
+            format!("machine from the folder '{machine}' here; it takes precedence over a machine of this name"),
+        )),
+        true => {}
     }
     changed(client, machine, inputs, quiet).await
 }

@@ -1391,6 +1391,8 @@ fn each_program_becomes_a_job_of_its_own() {
     let (status, lines, talk) = each(&[&one, &absent, &other], &["--json"]);
     assert_eq!(status, 2, "{talk}");
     let lines: Vec<serde_json::Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let (refused, lines): (Vec<_>, Vec<_>) = lines.into_iter().partition(|line| line.get("error").is_some());
+    assert_eq!((refused.len(), &refused[0]["program"]), (1, &absent.as_str().into()));
     let pairs = [(jobs[0], &one), (jobs[1], &other)];
     for (line, (job, program)) in lines.iter().zip(pairs) {
         assert_eq!((&line["job"], &line["program"]), (&job.into(), &program.as_str().into()));

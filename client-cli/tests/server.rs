@@ -1,0 +1,181 @@
+//! Commands for jobs on a server: several jobs at once, a full queue, deadlines, and the JSON of a status.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use counterpoint_server::options::Options;
+use counterpoint_server::service;
+use serde_json::Value;
+
+/// A server in this process until the test ends.
+struct Server {
+    _runtime: tokio::runtime::Runtime,
+    url: String,
+}
+
+impl Server {
+    fn start(folder: &Path, options: Options) -> Self {
+        let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+        let options = Options { listen: "127.0.0.1:0".parse().unwrap(), data: folder.join("data"), ..options };
+        let service = runtime.block_on(service::build(options)).unwrap();
+        let url = service.handle().url();
+        runtime.spawn(service.run(std::future::pending()));
+        Self { _runtime: runtime, url }
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
+        command.args(arguments).args(["--server", &self.url]).stdin(Stdio::null());
+        command
+    }
+
+    /// Exit code, standard output and standard error of a command.
+    fn call(&self, arguments: &[&str]) -> (i32, String, String) {
+        let output = self.command(arguments).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (output.status.code().unwrap(), text(output.stdout).trim_end().to_owned(), text(output.stderr))
+    }
+
+    fn submit(&self, program: &str) -> String {
+        let (code, job, talk) = self.call(&["submit", "--machine", "fanuc-mill", program]);
+        assert_eq!(code, 0, "{talk}");
+        job
+    }
+}
+
+fn program(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+const CLEAN: &str = "O1\nG21 G90 G0 X1.\nM30\n";
+const ENDLESS: &str = "O1\nN1 G4 P9\nGOTO 1\nM30\n";
+
+#[test]
+fn several_jobs_are_awaited_and_each_end_names_its_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let clean = program(folder.path(), "clean.nc", CLEAN);
+    let alarm = program(folder.path(), "alarm.nc", "O1\nG21 G90 G0 X[1/0]\nM30\n");
+    let jobs = [server.submit(&clean), server.submit(&alarm)];
+    let (code, out, talk) = server.call(&["wait", &jobs[0], &jobs[1]]);
+    assert_eq!((code, out.as_str()), (1, ""), "the highest code: {talk}");
+    for (job, state, name) in [(&jobs[0], "SUCCEEDED", "clean.nc"), (&jobs[1], "FAILED", "alarm.nc")] {
+        let line = talk.lines().find(|line| line.starts_with(&format!("{job}  {state}"))).expect(&talk);
+        assert!(line.contains(name), "{line}");
+    }
+    let (code, out, _) = server.call(&["wait", "--json", &jobs[1], &jobs[0]]);
+    let lines: Vec<Value> = out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((code, &lines[0]["job"], &lines[1]["job"]), (1, &jobs[1].as_str().into(), &jobs[0].as_str().into()));
+    let (code, _, talk) = server.call(&["wait", "--quiet", &jobs[0]]);
+    assert_eq!((code, talk.as_str()), (0, ""));
+}
+
+/// The keys are those of docs/cli.md.
+#[test]
+fn the_json_of_a_status_has_the_documented_keys() {
+    const DOCS: &str = include_str!("../../docs/cli.md");
+    let section = DOCS.split("### The JSON of a status").nth(1).expect("a section").split("\n## ").next().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let endless = program(folder.path(), "endless.nc", ENDLESS);
+    let with = ["--machine", "fanuc-mill", "--max-time", "1", "--deadline", "1h"];
+    let (_, job, _) = server.call(&[&["submit", &endless][..], &with].concat());
+    let (_, text, _) = server.call(&["wait", "--json", &job]);
+    let status: Value = serde_json::from_str(&text).unwrap();
+    for key in status.as_object().unwrap().keys() {
+        assert!(section.contains(&format!("| `{key}` |")), "{key} is not documented");
+    }
+    assert_eq!((&status["cause"], &status["limit"]), (&"LIMIT".into(), &"SIMULATED_NS".into()), "{status}");
+    assert_eq!(status["attempt"], 1, "{status}");
+    assert!(status["cpu_us"].as_u64().is_some(), "{status}");
+    let (_, text, _) = server.call(&["status", &job]);
+    assert!(text.contains("\nstopped after ") && !text.contains("cycle time"), "{text}");
+}
+
+/// Each further program is submitted when the queue has room for it.
+#[test]
+fn programs_wait_for_a_place_in_the_queue() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options { workers: 1, queue: 1, ..Options::default() });
+    let endless = program(folder.path(), "endless.nc", ENDLESS);
+    let mut endless_jobs = Vec::new();
+    loop {
+        let (code, job, talk) = server.call(&["submit", "--machine", "fanuc-mill", &endless]);
+        if code != 0 {
+            assert!(talk.contains("QUEUE_FULL"), "{talk}");
+            break;
+        }
+        endless_jobs.push(job);
+    }
+    let names = ["one.nc", "two.nc"].map(|name| program(folder.path(), name, CLEAN));
+    let mut command = server.command(&["submit", "--each", "--machine", "fanuc-mill", &names[0], &names[1]]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut talk = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.contains("QUEUE_FULL") {
+        line.clear();
+        assert!(talk.read_line(&mut line).unwrap() > 0, "the command must report that it waits");
+    }
+    assert!(line.contains(&names[0]) && line.contains("waits"), "{line}");
+    endless_jobs.iter().for_each(|job| assert_eq!(server.call(&["cancel", job]).0, 0));
+    let mut ids = String::new();
+    child.stdout.take().unwrap().read_to_string(&mut ids).unwrap();
+    assert!(child.wait().unwrap().success());
+    assert_eq!(ids.lines().count(), 2, "{ids}");
+}
+
+#[test]
+fn a_program_that_is_not_submitted_has_an_object_in_the_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let clean = program(folder.path(), "clean.nc", CLEAN);
+    let absent = folder.path().join("absent.nc").display().to_string();
+    let (code, out, _) = server.call(&["submit", "--each", "--json", "--machine", "fanuc-mill", &absent, &clean]);
+    assert_eq!(code, 2);
+    let lines: Vec<Value> = out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((lines.len(), &lines[0]["program"]), (2, &absent.as_str().into()), "{out}");
+    assert!(lines[0]["error"].as_str().unwrap().contains("does not exist"), "{out}");
+    assert!(lines[0].get("job").is_none() && lines[1]["job"].is_string(), "{out}");
+}
+
+#[test]
+fn a_deadline_in_the_past_is_refused_unless_the_request_is_a_repetition() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let clean = program(folder.path(), "clean.nc", CLEAN);
+    let job = server.submit(&clean);
+    for command in [&["submit", "--machine", "fanuc-mill", &clean][..], &["rerun", &job]] {
+        let past = [command, &["--deadline", "@1000"]].concat();
+        let (code, _, talk) = server.call(&past);
+        assert!(code == 2 && talk.contains("1970-01-01 00:16:40 UTC has passed"), "{talk}");
+        assert_eq!(server.call(&[&past[..], &["--request-id", command[0]]].concat()).0, 0);
+    }
+}
+
+#[test]
+fn a_folder_that_hides_a_machine_of_the_server_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let clean = program(folder.path(), "clean.nc", CLEAN);
+    let own = folder.path().join("cell").display().to_string();
+    let made = Command::new(env!("CARGO_BIN_EXE_counterpoint"))
+        .args(["machine", "new", &own, "--from", "fanuc-mill"])
+        .output()
+        .unwrap();
+    assert!(made.status.success());
+    let submit = |machine: &str| {
+        let mut command = server.command(&["submit", "--machine", machine, &clean]);
+        let output = command.current_dir(folder.path()).output().unwrap();
+        let talk = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{talk}");
+        talk
+    };
+    let talk = submit("cell");
+    assert!(talk.contains("machine from the folder 'cell' here"), "{talk}");
+    assert!(!submit("./cell").contains("from the folder"), "the argument names the folder");
+}
