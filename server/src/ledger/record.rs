@@ -434,12 +434,27 @@ impl Record {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use counterpoint_kernel::dialog::answers::Value;
+
     use super::*;
 
     /// Work on a shipped machine.
     pub(crate) fn work() -> Work {
         let machine = Definition::shipped("fanuc-mill");
         Work { machine, files: Vec::new(), options: Options::default(), answers: Vec::new() }
+    }
+
+    #[test]
+    fn numbers_of_answers_come_back_as_they_were_given() {
+        let mut bits = 0x9E37_79B9_7F4A_7C15_u64;
+        for _ in 0..5000 {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let number = f64::from_bits(bits ^ (bits >> 29));
+            if number.is_finite() {
+                let stored = serde_json::to_vec(&Value::Number(number)).unwrap();
+                assert_eq!(serde_json::from_slice::<Value>(&stored).unwrap(), Value::Number(number));
+            }
+        }
     }
 
     #[test]

@@ -174,7 +174,11 @@ pub(super) fn answer(field: &str, answer: &v1::DialogAnswer) -> Result<(), Refus
     line(&format!("{field}.button"), &answer.button, PATH)?;
     let values = format!("{field}.values");
     entries(&values, answer.values.len(), VALUES)?;
-    answer.values.keys().try_for_each(|name| line(&values, name, PATH))
+    answer.values.iter().try_for_each(|(name, value)| {
+        line(&values, name, PATH)?;
+        let finite = !matches!(value.value, Some(v1::dialog_value::Value::Number(number)) if !number.is_finite());
+        check(finite, &values, format!("the number of '{name}' must be finite"))
+    })
 }
 
 fn filter(filter: Option<&v1::JobFilter>) -> Result<(), Refusal> {

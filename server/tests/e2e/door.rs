@@ -335,6 +335,25 @@ async fn every_list_of_every_request_has_a_limit_that_its_refusal_names() {
     server.stop().await;
 }
 
+/// A number that JSON does not have would make the row of its job unreadable.
+#[tokio::test]
+async fn numbers_of_answers_are_finite() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let mut door = Door { server: &server, seen: BTreeSet::new() };
+    for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let value = v1::DialogValue { value: Some(v1::dialog_value::Value::Number(number)) };
+        let answer =
+            v1::DialogAnswer { dialog: "D".into(), values: [("V".to_owned(), value)].into(), ..Default::default() };
+        let options = v1::JobOptions { answers: vec![answer.clone()], ..Default::default() };
+        let submit = v1::SubmitJobRequest { options: Some(options), ..server.request("r", "").await };
+        door.refuses("Jobs/SubmitJob", submit, "", "options.answers[0].values").await;
+        let given = v1::AnswerQuestionRequest { answer: Some(answer), ..Default::default() };
+        door.refuses("Operator/AnswerQuestion", given, "", "answer.values").await;
+    }
+    server.stop().await;
+}
+
 /// Lists at their limits pass, and texts with invalid content are refused.
 #[tokio::test]
 async fn lists_have_limits_and_letters_tokens_and_names_are_of_their_kind() {
