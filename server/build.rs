@@ -5,12 +5,16 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
+/// Parts of a crate that are not in the server.
+const NOT_BUILT: [&str; 4] = ["tests", "benches", "fuzz", "target"];
+
 fn main() -> io::Result<()> {
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("..");
-    let own = ["machines", "Cargo.lock", "proto/counterpoint", "server/src/log", "server/src/results"];
+    let own = ["machines", "Cargo.lock", "proto/counterpoint", "proto/src", "server/src"];
     let mut sources: Vec<PathBuf> = own.iter().map(|part| root.join(part)).collect();
     for krate in sorted(&root.join("kernel"))? {
-        sources.extend(["src", "Cargo.toml"].map(|part| krate.join(part)));
+        // Crates include tables of data and build scripts besides their sources.
+        sources.extend(sorted(&krate)?.into_iter().filter(|part| !NOT_BUILT.iter().any(|name| part.ends_with(name))));
     }
     let mut digest = DefaultHasher::new();
     for source in sources.into_iter().filter(|source| source.exists()) {
