@@ -20,6 +20,7 @@ pub(crate) mod operator;
 pub(crate) mod progress;
 mod recent;
 mod recovery;
+pub(crate) mod renders;
 mod reuse;
 pub(crate) mod shares;
 mod sink;

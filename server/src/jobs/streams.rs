@@ -9,6 +9,7 @@ use dashmap::DashMap;
 use tokio::sync::{Semaphore, SemaphorePermit};
 
 use super::live::Live;
+use super::renders::Renders;
 
 /// A watch.
 #[derive(Debug)]
@@ -31,12 +32,18 @@ pub(crate) struct Streams {
     open: DashMap<u64, Arc<Stream>>,
     /// Places for reads of logs: more at once make none of them faster, and each thread keeps memory of its own.
     reads: Semaphore,
+    pub(crate) renders: Arc<Renders>,
 }
 
 impl Default for Streams {
     fn default() -> Self {
         let cores = crate::cpu::cores();
-        Self { next: AtomicU64::default(), open: DashMap::new(), reads: Semaphore::new(2 * cores) }
+        Self {
+            next: AtomicU64::default(),
+            open: DashMap::new(),
+            reads: Semaphore::new(2 * cores),
+            renders: Arc::default(),
+        }
     }
 }
 

@@ -201,19 +201,28 @@ fn behind(batch: Batch, after: u64) -> Batch {
     Batch { first: after + 1, last: batch.last, body: Bytes::from(body), spot: batch.spot }
 }
 
+/// Whether the client that waits for a read has gone.
+pub(crate) type Gone = Arc<dyn Fn() -> bool + Send + Sync>;
+
 /// All events of an ended log, decoded. Ends early on damage, which [`Events::error`] then tells.
 pub(crate) struct Events {
     reader: Reader,
     batch: std::vec::IntoIter<(u64, Event)>,
     last: u64,
     expected: u64,
+    gone: Option<Gone>,
     error: Option<io::Error>,
 }
 
 impl Events {
     /// Of a log whose last event has the number `expected`.
     pub(crate) fn new(reader: Reader, expected: u64) -> Self {
-        Self { reader, batch: Vec::new().into_iter(), last: 0, expected, error: None }
+        Self { reader, batch: Vec::new().into_iter(), last: 0, expected, gone: None, error: None }
+    }
+
+    /// The same events, up to the batch after which the client has gone.
+    pub(crate) fn until(self, gone: Gone) -> Self {
+        Self { gone: Some(gone), ..self }
     }
 
     /// The error that ended the iteration before the end of the log.
@@ -222,6 +231,9 @@ impl Events {
     }
 
     fn load(&mut self) -> io::Result<bool> {
+        if self.gone.as_ref().is_some_and(|gone| gone()) {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
         let Some(batch) = self.reader.next_batch()? else {
             let job = &self.reader.job;
             return if self.last < self.expected { Err(cut_short(job, self.last, self.expected)) } else { Ok(false) };

@@ -15,7 +15,7 @@ use counterpoint_kernel::log::{jsonl, listing, summary};
 use serde::Serialize;
 
 use crate::log::kept::Kept;
-use crate::log::reader::{Events, Reader};
+use crate::log::reader::{Events, Gone, Reader};
 
 /// A result that has a file of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,18 +115,19 @@ fn json(value: &impl Serialize) -> Option<Vec<u8>> {
 }
 
 /// An ended job to make results of.
-#[derive(Debug)]
 pub(crate) struct Source<'a> {
     pub(crate) info: &'a Arc<Info>,
     pub(crate) outcome: Outcome,
     pub(crate) log: &'a Kept,
     /// Limit of the server that stopped the run; empty = none.
     pub(crate) limit: &'a str,
+    /// Making ends soon after the client has gone.
+    pub(crate) gone: Gone,
 }
 
 impl Source<'_> {
     fn events(&self) -> io::Result<Events> {
-        Ok(Events::new(Reader::open_ended(self.log, 0)?, self.outcome.events))
+        Ok(Events::new(Reader::open_ended(self.log, 0)?, self.outcome.events).until(self.gone.clone()))
     }
 
     /// Makes results from the log.

@@ -11,7 +11,8 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::door::{chunk as within, enter};
-use super::{Blobs, CHUNK, Chunk, blocking, stream};
+use super::stream::{CHUNK, Chunk, stream};
+use super::{Blobs, blocking};
 use crate::access::Caller;
 use crate::blobs::{Receiver, digest};
 use crate::jobs::Core;
@@ -115,8 +116,9 @@ impl Service for Blobs {
         let (caller, v1::DownloadRequest { digest }) = enter(request)?;
         caller.about(&digest);
         let blobs = self.0.blobs.of(caller.tenant());
+        let turn = self.0.streams.renders.turn(caller.tenant()).await;
         let mut file = blocking(move || blobs.open(&digest)).await?;
-        Ok(stream(move |out| {
+        Ok(stream(turn, move |out, _| {
             let mut buffer = vec![0; CHUNK];
             loop {
                 let got = file.read(&mut buffer)?;

@@ -11,19 +11,16 @@ mod machines;
 mod many;
 mod operator;
 mod results;
+mod stream;
 mod submit;
 mod watch;
 mod watch_jobs;
 
-use std::io::{self, Write};
 use std::sync::Arc;
 use std::time::Duration;
 
-use bytes::{Bytes, BytesMut};
 use prost::Message;
-use tokio::sync::mpsc;
-use tokio_stream::wrappers::ReceiverStream;
-use tonic::{Response, Status, Streaming};
+use tonic::{Status, Streaming};
 use tracing::Instrument as _;
 
 use crate::Record;
@@ -54,18 +51,10 @@ pub(crate) struct Admin {
     pub(crate) stop: Box<dyn Fn() + Send + Sync>,
 }
 
-/// Bytes of a chunk in streams of the server.
-const CHUNK: usize = 64 * 1024;
-
 /// Maximum bytes of the entries of a page, which is a single message.
 const PAGE: usize = 3 << 20;
 /// Maximum bytes before each entry of a page: field number and length.
 const HEAD: usize = 6;
-
-/// A response that is one chunk of a content.
-trait Chunk: Send + 'static {
-    fn chunk(data: Bytes) -> Self;
-}
 
 /// A job of the caller's tenant.
 fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
@@ -128,43 +117,4 @@ fn page<T, M: Message>(
 /// Does work that may block.
 async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Result<T, Refusal> + Send + 'static) -> Result<T, Refusal> {
     tokio::task::spawn_blocking(work).await.map_err(|error| Refusal::Storage(error.to_string()))?
-}
-
-/// Streams the output of `make` in chunks; it waits while the client does not read and fails when the client has gone.
-fn stream<T: Chunk>(
-    make: impl FnOnce(&mut dyn Write) -> Result<(), Refusal> + Send + 'static,
-) -> Response<ReceiverStream<Result<T, Status>>> {
-    let (send, receive) = mpsc::channel(4);
-    tokio::task::spawn_blocking(move || {
-        let mut writer = Chunks { buffer: BytesMut::with_capacity(CHUNK), send };
-        let result = make(&mut writer).and_then(|()| Ok(writer.flush()?));
-        if let Err(refusal) = result {
-            let _ = writer.send.blocking_send(Err(refusal.into()));
-        }
-    });
-    Response::new(ReceiverStream::new(receive))
-}
-
-struct Chunks<T> {
-    buffer: BytesMut,
-    send: mpsc::Sender<Result<T, Status>>,
-}
-
-impl<T: Chunk> Write for Chunks<T> {
-    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
-        let take = data.len().min(CHUNK.saturating_sub(self.buffer.len())).max(1).min(data.len());
-        self.buffer.extend_from_slice(data.get(..take).unwrap_or_default());
-        if self.buffer.len() >= CHUNK {
-            self.flush()?;
-        }
-        Ok(take)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        if self.buffer.is_empty() {
-            return Ok(());
-        }
-        let data = std::mem::replace(&mut self.buffer, BytesMut::with_capacity(CHUNK)).freeze();
-        self.send.blocking_send(Ok(T::chunk(data))).map_err(|_| io::ErrorKind::BrokenPipe.into())
-    }
 }

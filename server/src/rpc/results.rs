@@ -1,6 +1,6 @@
 //! Service `Results`: stored results from their files, others made from the log.
 
-use std::io::{self, Read as _, Write};
+use std::io::{self, Cursor, Read, Write};
 use std::sync::Arc;
 
 use bytes::Bytes;
@@ -16,13 +16,16 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
 use super::door::enter;
-use super::{Chunk, Results, blocking, job, page, stream};
+use super::stream::{Chunk, making, stream};
+use super::{Results, job, page};
 use crate::Record;
 use crate::access::Caller;
+use crate::jobs::renders::RenderTurn;
 use crate::jobs::{Core, Sandbox, worker};
 use crate::ledger::record::State;
 use crate::log::damage::gone;
 use crate::log::kept::Kept;
+use crate::log::reader::Gone;
 use crate::reason::Refusal;
 use crate::results::{Document, Form, Source};
 
@@ -54,16 +57,16 @@ impl Service for Results {
 
     async fn get_listing(&self, request: Request<v1::GetListingRequest>) -> Answer<v1::GetListingResponse> {
         let (caller, request) = enter(request)?;
-        let ended = Ended::load(&self.0, &caller, request.job_id).await?;
+        let (ended, turn) = Ended::load(&self.0, &caller, request.job_id).await?;
         let channel = if request.channel == 0 && !request.log { 0 } else { ended.channel(request.channel)? };
         let form = match request {
             v1::GetListingRequest { console: true, .. } => Form::Console,
             v1::GetListingRequest { log: true, .. } => Form::Log,
             _ => Form::Listing,
         };
-        Ok(stream(move |out| match request.crlf {
-            true => ended.listing(channel, form, &mut Crlf(out)),
-            false => ended.listing(channel, form, out),
+        Ok(stream(turn, move |out, gone| match request.crlf {
+            true => ended.listing((channel, form), &mut Crlf(out), gone),
+            false => ended.listing((channel, form), out, gone),
         }))
     }
 
@@ -71,9 +74,9 @@ impl Service for Results {
 
     async fn get_trace(&self, request: Request<v1::GetTraceRequest>) -> Answer<v1::GetTraceResponse> {
         let (caller, request) = enter(request)?;
-        let ended = Ended::load(&self.0, &caller, request.job_id).await?;
+        let (ended, turn) = Ended::load(&self.0, &caller, request.job_id).await?;
         let channel = ended.channel(request.channel)?;
-        Ok(stream(move |out| Ok(ended.source().trace(channel, out)?)))
+        Ok(stream(turn, move |out, gone| Ok(ended.source(gone).trace(channel, out)?)))
     }
 
     type GetTimelineStream = ReceiverStream<Result<v1::GetTimelineResponse, Status>>;
@@ -112,8 +115,8 @@ impl Service for Results {
 
     async fn get_events(&self, request: Request<v1::GetEventsRequest>) -> Answer<v1::GetEventsResponse> {
         let (caller, request) = enter(request)?;
-        let ended = Ended::load(&self.0, &caller, request.job_id).await?;
-        Ok(stream(move |out| Ok(ended.source().jsonl(out)?)))
+        let (ended, turn) = Ended::load(&self.0, &caller, request.job_id).await?;
+        Ok(stream(turn, move |out, gone| Ok(ended.source(gone).jsonl(out)?)))
     }
 
     async fn list_files(
@@ -121,7 +124,7 @@ impl Service for Results {
         request: Request<v1::ListFilesRequest>,
     ) -> Result<Response<v1::ListFilesResponse>, Status> {
         let (caller, request) = enter(request)?;
-        let mut files = written(&self.0, &caller, request.job_id).await?;
+        let (mut files, _) = written(&self.0, &caller, request.job_id).await?;
         files.sort();
         let known = |file: &(String, String)| file.0 == request.page_token;
         if !request.page_token.is_empty() && !files.iter().any(known) {
@@ -138,10 +141,10 @@ impl Service for Results {
 
     async fn get_file(&self, request: Request<v1::GetFileRequest>) -> Answer<v1::GetFileResponse> {
         let (caller, v1::GetFileRequest { job_id, path }) = enter(request)?;
-        let files = written(&self.0, &caller, job_id).await?;
+        let (files, turn) = written(&self.0, &caller, job_id).await?;
         let file = files.into_iter().find(|(name, _)| *name == path);
         let (_, text) = file.ok_or(Refusal::UnknownFile(path))?;
-        Ok(stream(move |out| Ok(out.write_all(text.as_bytes())?)))
+        Ok(stream(turn, move |out, _| Ok(out.write_all(text.as_bytes())?)))
     }
 }
 
@@ -151,9 +154,14 @@ fn format(number: i32) -> Result<v1::DrawingFormat, Refusal> {
 }
 
 /// Files written by the macros of an ended job.
-async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Vec<(String, String)>, Refusal> {
+async fn written(
+    core: &Arc<Core>,
+    caller: &Caller,
+    id: String,
+) -> Result<(Vec<(String, String)>, RenderTurn), Refusal> {
+    let turn = core.streams.renders.turn(caller.tenant()).await;
     let (core, caller) = (core.clone(), caller.clone());
-    blocking(move || {
+    making(turn, move |_| {
         let record = ended(&core, &caller, &id)?;
         let kept = match core.logs.open(&record.id, Document::Files.file()) {
             Err(error) if error.kind() == io::ErrorKind::InvalidData => return Err(lost_files(&id)),
@@ -170,8 +178,7 @@ async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Vec<(S
             None if record.runs.has_files => {
                 return Err(lost_files(&id));
             }
-            None if !record.log_digest.is_empty() => return Ok(Vec::new()),
-            None => return Err(Refusal::NoResults(id)),
+            None => return Ok(Vec::new()),
         };
         serde_json::from_slice(&text).map_err(|error| Refusal::Storage(error.to_string()))
     })
@@ -187,26 +194,33 @@ fn lost_files(id: &str) -> Refusal {
 
 async fn document_of<T: Chunk>(core: &Arc<Core>, caller: &Caller, id: String, document: Document) -> Answer<T> {
     let record = ended(core, caller, &id)?;
-    let logs = core.logs.clone();
-    if let Ok(mut file) = blocking(move || Ok(logs.open(&record.id, document.file())?)).await {
-        return Ok(stream(move |out| Ok(io::copy(&mut file, out).map(drop)?)));
+    let turn = core.streams.renders.turn(caller.tenant()).await;
+    let (logs, finished) = (core.logs.clone(), core.live(&id).and_then(|live| live.finished().cloned()));
+    let kept = move |_: &Gone| {
+        Ok(match logs.open(&record.id, document.file()) {
+            Ok(file) => Some(file),
+            Err(_) => {
+                finished.and_then(|finished| finished.document(document)).map(|text| Box::new(Cursor::new(text)) as _)
+            }
+        })
+    };
+    let (kept, turn): (Option<Box<dyn Read + Send>>, _) = making(turn, kept).await?;
+    if let Some(mut kept) = kept {
+        return Ok(stream(turn, move |out, _| Ok(io::copy(&mut kept, out).map(drop)?)));
     }
-    if let Some(finished) = core.live(&id).and_then(|live| live.finished().cloned())
-        && let Some(text) = blocking(move || Ok(finished.document(document))).await?
-    {
-        return Ok(stream(move |out| Ok(out.write_all(&text)?)));
-    }
-    let ended = Ended::load(core, caller, id).await?;
-    let text = blocking(move || Ok(ended.source().document(document)?)).await?;
-    Ok(stream(move |out| Ok(out.write_all(&text)?)))
+    drop(turn);
+    let (ended, turn) = Ended::load(core, caller, id).await?;
+    let (text, turn) = making(turn, move |gone| Ok(ended.source(gone).document(document)?)).await?;
+    Ok(stream(turn, move |out, _| Ok(out.write_all(&text)?)))
 }
 
+/// A job that has ended with results. Anything else in its folder is from a run that did not reach its end.
 fn ended(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
     let record = job(core, caller, id)?;
-    match record.state.ended() {
-        true => Ok(record),
-        false => Err(Refusal::JobNotEnded(id.to_owned())),
+    if !record.state.ended() {
+        return Err(Refusal::JobNotEnded(id.to_owned()));
     }
+    if record.log_digest.is_empty() { Err(Refusal::NoResults(id.to_owned())) } else { Ok(record) }
 }
 
 /// An ended job with its description and sources.
@@ -218,9 +232,11 @@ struct Ended {
 }
 
 impl Ended {
-    async fn load(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Self, Refusal> {
+    /// Loads a job when it is the tenant's turn to make results.
+    async fn load(core: &Arc<Core>, caller: &Caller, id: String) -> Result<(Self, RenderTurn), Refusal> {
+        let turn = core.streams.renders.turn(caller.tenant()).await;
         let (core, caller, job) = (core.clone(), caller.clone(), id.clone());
-        let loaded = blocking(move || {
+        let loaded = making(turn, move |_| {
             let record = ended(&core, &caller, &id)?;
             let Some(log) = core.kept_log(&id)? else {
                 let lost = record.events > 0 && core.options.embedded.log;
@@ -244,11 +260,11 @@ impl Ended {
         loaded.await.map_err(|refusal| refusal.of_job(&job))
     }
 
-    fn source(&self) -> Source<'_> {
+    fn source(&self, gone: &Gone) -> Source<'_> {
         let limit = self.record.runs.limit.as_str();
         let cancelled = self.record.state == State::Cancelled || !limit.is_empty();
         let outcome = Outcome { events: self.record.events, cancelled, sink_failed: false };
-        Source { info: &self.info, outcome, log: &self.log, limit }
+        Source { info: &self.info, outcome, log: &self.log, limit, gone: gone.clone() }
     }
 
     fn channel(&self, number: u32) -> Result<u16, Refusal> {
@@ -256,14 +272,13 @@ impl Ended {
         channel.ok_or(Refusal::UnknownChannel(number))
     }
 
-    fn listing(&self, channel: u16, form: Form, out: &mut dyn Write) -> Result<(), Refusal> {
+    fn listing(&self, (channel, form): (u16, Form), out: &mut dyn Write, gone: &Gone) -> Result<(), Refusal> {
         let known = self.core.live(&self.record.id).and_then(|live| live.finished().cloned());
         let finished = match known {
             Some(finished) => finished,
-            None => Arc::new(self.source().fold()?),
+            None => Arc::new(self.source(gone).fold()?),
         };
-        let source = self.source();
-        Ok(source.listing(&finished, channel, form, out)?)
+        Ok(self.source(gone).listing(&finished, channel, form, out)?)
     }
 }
 

@@ -1,0 +1,99 @@
+//! Streams of contents in chunks, made by blocking work.
+//!
+//! *Invariants:* the work waits while the client does not read, and lets other work have its turn meanwhile; it fails
+//! soon after the client has gone.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use bytes::{Bytes, BytesMut};
+use tokio::runtime::Handle;
+use tokio::sync::mpsc::error::TrySendError;
+use tokio::sync::mpsc::{self, Sender};
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Response, Status};
+
+use super::blocking;
+use crate::jobs::renders::RenderTurn;
+use crate::log::reader::Gone;
+use crate::reason::Refusal;
+
+/// Bytes of a chunk in streams of the server.
+pub(super) const CHUNK: usize = 64 * 1024;
+
+/// A response that is one chunk of a content.
+pub(super) trait Chunk: Send + 'static {
+    fn chunk(data: Bytes) -> Self;
+}
+
+/// Streams the output of `make` in chunks; `make` also learns whether the client has gone.
+pub(super) fn stream<T: Chunk>(
+    turn: RenderTurn,
+    make: impl FnOnce(&mut dyn Write, &Gone) -> Result<(), Refusal> + Send + 'static,
+) -> Response<ReceiverStream<Result<T, Status>>> {
+    let (send, receive) = mpsc::channel(4);
+    tokio::task::spawn_blocking(move || {
+        let client = send.clone();
+        let gone: Gone = Arc::new(move || client.is_closed());
+        let mut writer = Chunks { buffer: BytesMut::with_capacity(CHUNK), send, turn };
+        let result = make(&mut writer, &gone).and_then(|()| Ok(writer.flush()?));
+        if let Err(refusal) = result {
+            let _ = writer.send(Err(refusal.into()));
+        }
+    });
+    Response::new(ReceiverStream::new(receive))
+}
+
+/// Makes a value before the stream begins; the turn goes on with it. `make` learns whether the client has gone.
+pub(super) async fn making<T: Send + 'static>(
+    turn: RenderTurn,
+    make: impl FnOnce(&Gone) -> Result<T, Refusal> + Send + 'static,
+) -> Result<(T, RenderTurn), Refusal> {
+    // The call is dropped when its client goes.
+    let call = Arc::new(());
+    let gone = Arc::downgrade(&call);
+    let gone: Gone = Arc::new(move || gone.strong_count() == 0);
+    let made = blocking(move || Ok((make(&gone)?, turn))).await;
+    drop(call);
+    made
+}
+
+struct Chunks<T> {
+    buffer: BytesMut,
+    send: Sender<Result<T, Status>>,
+    turn: RenderTurn,
+}
+
+impl<T: Chunk> Chunks<T> {
+    /// Sends a message, without the turn while the client does not read.
+    fn send(&mut self, message: Result<T, Status>) -> io::Result<()> {
+        let message = match self.send.try_send(message) {
+            Ok(()) => return Ok(()),
+            Err(TrySendError::Closed(_)) => return Err(io::ErrorKind::BrokenPipe.into()),
+            Err(TrySendError::Full(message)) => message,
+        };
+        self.turn.pause();
+        self.send.blocking_send(message).map_err(|_| io::Error::from(io::ErrorKind::BrokenPipe))?;
+        Handle::current().block_on(self.turn.resume());
+        Ok(())
+    }
+}
+
+impl<T: Chunk> Write for Chunks<T> {
+    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+        let take = data.len().min(CHUNK.saturating_sub(self.buffer.len())).max(1).min(data.len());
+        self.buffer.extend_from_slice(data.get(..take).unwrap_or_default());
+        if self.buffer.len() >= CHUNK {
+            self.flush()?;
+        }
+        Ok(take)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.buffer.is_empty() {
+            return Ok(());
+        }
+        let data = std::mem::replace(&mut self.buffer, BytesMut::with_capacity(CHUNK)).freeze();
+        self.send(Ok(T::chunk(data)))
+    }
+}
