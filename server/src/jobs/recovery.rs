@@ -29,9 +29,9 @@ impl Core {
             if died.was_at_work(&before) {
                 tracing::info!(job = job.id, state = ?job.state, suspect = job.runs.suspect, "recovered");
             }
-            if job.state.ended() {
-                // The log belongs to a run that did not reach its end.
-                self.logs.remove_log(&job.id)?;
+            if died.had_begun(&before) || job.state.ended() {
+                // Log and results belong to a run that did not reach its end.
+                self.logs.remove(&job.id)?;
             }
             if *job != before {
                 changed.push(job.clone());
@@ -70,6 +70,11 @@ impl<'a> Died<'a> {
     /// The mark of the interrupted run, unless the ledger already has its number.
     fn mark(&self, job: &Record) -> Option<&Mark> {
         self.marks.get(&job.id).filter(|mark| mark.attempt > job.runs.attempt)
+    }
+
+    /// Whether a run of this job was interrupted.
+    fn had_begun(&self, job: &Record) -> bool {
+        job.state == State::Running || self.marks.contains_key(&job.id)
     }
 
     fn was_at_work(&self, job: &Record) -> bool {

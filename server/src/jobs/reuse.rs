@@ -22,6 +22,7 @@ use crate::blobs::digest;
 use crate::ledger::record::{Record, Work};
 use crate::log::damage::{cut_short, gone};
 use crate::log::reader::Reader;
+use crate::log::wanted::Wanted;
 use crate::log::writer::{Ended, Small, Writer};
 use crate::machines::Definition;
 use crate::reason::Refusal;
@@ -147,7 +148,7 @@ fn copy(core: &Arc<Core>, live: &Live, from: &Record) -> Result<Option<(u64, Opt
         // Missing results are made from the log on request.
         for name in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
             let Ok(content) = document(core, from, name) else { continue };
-            core.logs.write_spare(&live.id, name.file(), &content)?;
+            core.logs.write_spare(&live.id, name.file(), &content, &Wanted::default())?;
             stored += content.len() as u64;
         }
     }

@@ -32,7 +32,7 @@ use super::sink::JobSink;
 use super::system::Shell;
 use crate::cpu;
 use crate::ledger::record::{Cause, Reached, Record, State, Work};
-use crate::log::Logs;
+use crate::log::wanted::Wanted;
 use crate::log::writer::{Ended, Place, Small, Writer};
 use crate::machines::Definition;
 use crate::pace::Pace;
@@ -149,8 +149,8 @@ fn paused(core: &Arc<Core>, live: &Arc<Live>, used: Duration) {
 /// Drops a run that does not count as an attempt.
 fn drop_run(core: &Core, live: &Live, used: Duration, change: impl FnOnce(&mut Record)) -> Record {
     live.forget_run();
-    if let Err(error) = core.logs.remove_log(&live.id) {
-        tracing::warn!(%error, "the unfinished log stays until the next run");
+    if let Err(error) = core.logs.remove(&live.id) {
+        tracing::warn!(%error, "the results of the unfinished run stay until the next run");
     }
     live.change(|record| {
         if std::mem::replace(&mut record.state, State::Queued) == State::Running {
@@ -394,44 +394,51 @@ fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Re
         core.logs.write(&live.id, Document::Files.file(), &files)?;
     }
     if bytes >= RESULTS_FROM {
-        let (logs, id, finished) = (core.logs.clone(), live.id.clone(), finished.clone());
-        stored += store_results(live, move || store(&*logs, &id, &finished));
+        stored += store_results(core, live, finished.clone());
     }
     Ok((finished, stored))
 }
 
-/// Stores results that can be made again; returns their bytes. That may take long: when the run is to end meanwhile, it
-/// continues by itself after the end of the job. Results that cannot be stored are made from the log on request.
-fn store_results(live: &Live, work: impl FnOnce() -> io::Result<u64> + Send + 'static) -> u64 {
+/// Stores results that can be made again; returns their bytes. That may take long: when the run is to end meanwhile, the
+/// rest is not stored. Results that are not stored are made from the log on request.
+fn store_results(core: &Core, live: &Live, finished: Arc<Finished>) -> u64 {
     let (done, stored) = channel();
-    let run = live.run();
-    let measured = move || match run {
-        Some(run) => run.control.measured(work),
-        None => work(),
+    let (logs, id, run) = (core.logs.clone(), live.id.clone(), live.run());
+    let wanted = Arc::new(Wanted::default());
+    let still = wanted.clone();
+    let store = move || {
+        for document in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
+            if let Some(text) = finished.document(document) {
+                logs.write_spare(&id, document.file(), &text, &still)?;
+                // The run has ended without this one if it does not listen.
+                let _ = done.send(text.len() as u64);
+            }
+        }
+        Ok(())
     };
-    let work = move || match measured() {
-        Ok(bytes) => drop(done.send(bytes)),
-        Err(error) => tracing::warn!(%error, "results are not stored; they will be made from the log"),
+    let work = move || {
+        let stored: io::Result<()> = match run {
+            Some(run) => run.control.measured(store),
+            None => store(),
+        };
+        match stored {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => tracing::warn!(%error, "results are not stored; they will be made from the log"),
+            Ok(()) => {}
+        }
     };
     if let Err(error) = std::thread::Builder::new().name("results".to_owned()).spawn(work) {
         tracing::warn!(%error, "results are not stored; they will be made from the log");
     }
+    let mut bytes = 0;
     loop {
         match stored.recv_timeout(LOOK) {
-            Ok(bytes) => return bytes,
+            Ok(more) => bytes += more,
             Err(RecvTimeoutError::Timeout) if !live.stop().asked() => {}
-            Err(_) => return 0,
+            Err(_) => {
+                wanted.end();
+                return stored.try_iter().fold(bytes, |bytes, more| bytes + more);
+            }
         }
     }
-}
-
-fn store(logs: &dyn Logs, id: &str, finished: &Finished) -> io::Result<u64> {
-    let mut bytes = 0;
-    for document in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
-        if let Some(text) = finished.document(document) {
-            logs.write_spare(id, document.file(), &text)?;
-            bytes += text.len() as u64;
-        }
-    }
-    Ok(bytes)
 }

@@ -10,6 +10,7 @@ use super::spare;
 use super::store::Store;
 use crate::host::{Host, Mark};
 use crate::log::kept::{Files, Kept};
+use crate::log::wanted::Wanted;
 use crate::log::writer::Place;
 use crate::log::{Logs, segments};
 
@@ -21,7 +22,7 @@ const READ: usize = 256 * 1024;
 impl Logs for Store {
     fn begin(&self, id: &str) -> io::Result<Box<dyn Place>> {
         // Readers of the log of a run before this one keep that file.
-        self.remove_log(id)?;
+        self.remove_job(id)?;
         let place = LogFile {
             disk: self.disk().clone(),
             job: id.to_owned(),
@@ -37,16 +38,12 @@ impl Logs for Store {
         Some(self.logs(id)).filter(Files::there).map(|files| Kept::in_files(id, files))
     }
 
-    fn remove_log(&self, id: &str) -> io::Result<()> {
-        self.remove_log(id)
-    }
-
     fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
         self.write(id, name, content)
     }
 
-    fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
-        self.write_spare(id, name, content)
+    fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &Wanted) -> io::Result<()> {
+        self.write_spare(id, name, content, wanted)
     }
 
     fn open(&self, id: &str, name: &str) -> io::Result<Box<dyn Read + Send>> {
@@ -207,8 +204,23 @@ mod tests {
         std::fs::write(&files.plain, &log).unwrap();
         std::fs::write(&files.segments, "half").unwrap();
         assert_eq!((read(), kept.length().unwrap()), (expected, log.len() as u64));
+        store.write("j", "files.json", b"[]").unwrap();
         let place = Logs::begin(&store, "j").unwrap();
         assert!(store.kept("j").is_none() && !place.used(), "a run begins without the log of the run before it");
+        assert!(Logs::open(&store, "j", "files.json").is_err(), "and without its files");
+    }
+
+    #[test]
+    fn results_that_are_not_wanted_any_more_do_not_bring_a_folder_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path().to_owned(), true, Disk::default()).unwrap();
+        let wanted = Wanted::default();
+        store.write_spare("j", "summary.json", b"{}", &wanted).unwrap();
+        wanted.end();
+        store.remove_job("j").unwrap();
+        let late = store.write_spare("j", "timeline.json", b"{}", &wanted);
+        assert_eq!(late.unwrap_err().kind(), io::ErrorKind::Interrupted);
+        assert!(!store.job("j").exists() && std::fs::read_dir(store.tmp()).unwrap().next().is_none());
     }
 
     #[test]

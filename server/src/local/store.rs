@@ -18,6 +18,7 @@ use super::shared::Shared;
 use super::spare;
 use crate::host::Mark;
 use crate::log::kept::Files;
+use crate::log::wanted::Wanted;
 use crate::results::Document;
 use crate::tenant;
 
@@ -191,13 +192,15 @@ impl Store {
         file.place(&self.job(id).join(name))
     }
 
-    /// Same without fsync, for files that can be made again.
-    pub(crate) fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()> {
+    /// Same without fsync, for files that can be made again, as long as they are wanted.
+    pub(crate) fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &Wanted) -> io::Result<()> {
         let mut file = self.temporary()?;
         file.write_all(&spare::head(id, name, content))?;
         file.write_all(content)?;
-        self.disk.create_folder(&self.job(id))?;
-        file.place(&self.job(id).join(name))
+        wanted.store(|| {
+            self.disk.create_folder(&self.job(id))?;
+            file.place(&self.job(id).join(name))
+        })
     }
 
     /// The content of a file in the folder of a job.
@@ -320,18 +323,6 @@ impl Store {
         }
         self.disk.sync_folder(&self.job(id))?;
         self.jobs_synced.sync(|| self.disk.sync_folder(&self.root.join("jobs")))
-    }
-
-    /// Removes the log of a job whose run did not reach its end; not being there is fine.
-    pub(crate) fn remove_log(&self, id: &str) -> io::Result<()> {
-        let files = self.logs(id);
-        for path in [files.plain, files.segments] {
-            match fs::remove_file(path) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-                _ => {}
-            }
-        }
-        Ok(())
     }
 
     /// Files with which backups ask for a copy of the ledger.

@@ -11,6 +11,7 @@ use std::fmt::Debug;
 use std::io;
 
 use sums::Sums;
+use wanted::Wanted;
 
 #[cfg(test)]
 mod codec_tests;
@@ -25,24 +26,22 @@ pub(crate) mod reader;
 pub(crate) mod segments;
 pub(crate) mod sums;
 pub(crate) mod tail;
+pub(crate) mod wanted;
 pub(crate) mod writer;
 
 /// Keeps the logs of jobs, and the other output of runs. All calls may block.
 pub(crate) trait Logs: Send + Sync + Debug {
-    /// A place for the log of a run that begins; the log of a run before it is removed.
+    /// A place for the log of a run that begins; log and results of a run before it are removed.
     fn begin(&self, id: &str) -> io::Result<Box<dyn writer::Place>>;
 
     /// The log of a job, unless it is small and in the ledger.
     fn kept(&self, id: &str) -> Option<kept::Kept>;
 
-    /// Removes the log of a run that did not reach its end; not being there is fine.
-    fn remove_log(&self, id: &str) -> io::Result<()>;
-
     /// Stores a result beside the log, whole or not at all.
     fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()>;
 
-    /// Same for one that can be made again: a loss of power may take it.
-    fn write_spare(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()>;
+    /// Same for a result that can be made again, if it is still wanted: a loss of power may take it.
+    fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &Wanted) -> io::Result<()>;
 
     /// A stored result. A damaged result that can be made again counts as missing.
     fn open(&self, id: &str, name: &str) -> io::Result<Box<dyn io::Read + Send>>;

@@ -87,6 +87,7 @@ mod tls;
 mod tokens;
 mod traces;
 mod trouble;
+mod unfinished;
 mod upgrade;
 mod watch;
 mod watch_jobs;
