@@ -13,6 +13,7 @@ mod operator;
 mod results;
 mod stream;
 mod submit;
+mod to_the_end;
 mod watch;
 mod watch_jobs;
 
@@ -21,7 +22,8 @@ use std::time::Duration;
 
 use prost::Message;
 use tonic::{Status, Streaming};
-use tracing::Instrument as _;
+
+use to_the_end::to_the_end;
 
 use crate::Record;
 use crate::access::Caller;
@@ -60,24 +62,6 @@ const HEAD: usize = 6;
 fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
     caller.about(id);
     core.job_of(caller.tenant(), id)
-}
-
-/// Completes a change that must not stop halfway, even if the client ends the call or its deadline passes. The audit
-/// log gets the line of the call after the change.
-fn to_the_end<T: Send + 'static>(
-    caller: &Caller,
-    work: impl Future<Output = Result<T, Refusal>> + Send + 'static,
-) -> impl Future<Output = Result<T, Refusal>> + Send {
-    let caller = caller.clone();
-    // In a box, as each future around it would copy it.
-    let work = Box::pin(work);
-    let work = async move {
-        let done = work.await;
-        drop(caller);
-        done
-    };
-    let ended = tokio::spawn(work.in_current_span());
-    async { ended.await.map_err(|error| Refusal::Storage(error.to_string()))? }
 }
 
 /// The first message of a client stream; an error if the stream stalls.

@@ -1,0 +1,61 @@
+//! Changes that must not stop halfway.
+//!
+//! *Invariant:* a change that has been handed over is completed, even if the client ends the call or its deadline
+//! passes. As long as the client waits the change is a part of its call, since a task of its own costs a wake-up.
+
+use std::pin::Pin;
+use std::task::{Context, Poll};
+
+use tokio::runtime::Handle;
+use tracing::Instrument as _;
+
+use crate::access::Caller;
+use crate::reason::Refusal;
+
+/// The rest of a change.
+type Work<T> = Pin<Box<dyn Future<Output = Result<T, Refusal>> + Send>>;
+
+/// A change in progress; the rest of it becomes a task when this is dropped.
+pub(super) struct ToTheEnd<T: Send + 'static> {
+    runtime: Handle,
+    /// `None` after the end.
+    work: Option<Work<T>>,
+}
+
+/// Completes a change. The audit log gets the line of the call after the change.
+pub(super) fn to_the_end<T: Send + 'static>(
+    caller: &Caller,
+    work: impl Future<Output = Result<T, Refusal>> + Send + 'static,
+) -> ToTheEnd<T> {
+    let caller = caller.clone();
+    // In a box, as each future around it would copy it.
+    let work = Box::pin(work);
+    let work = async move {
+        let done = work.await;
+        drop(caller);
+        done
+    };
+    ToTheEnd { runtime: Handle::current(), work: Some(Box::pin(work.in_current_span())) }
+}
+
+impl<T: Send + 'static> Future for ToTheEnd<T> {
+    type Output = Result<T, Refusal>;
+
+    fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
+        // Work that panics is not continued.
+        let Some(mut work) = self.work.take() else { return Poll::Pending };
+        let polled = work.as_mut().poll(context);
+        if polled.is_pending() {
+            self.work = Some(work);
+        }
+        polled
+    }
+}
+
+impl<T: Send + 'static> Drop for ToTheEnd<T> {
+    fn drop(&mut self) {
+        if let Some(work) = self.work.take() {
+            self.runtime.spawn(work);
+        }
+    }
+}
