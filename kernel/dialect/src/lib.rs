@@ -26,6 +26,7 @@ mod siemens;
 mod statement;
 mod table;
 mod text;
+mod words;
 
 pub use call_stack::{Aside, CallStack};
 pub use definition::{Dialect, Unknown};

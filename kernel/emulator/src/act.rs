@@ -25,7 +25,7 @@ use counterpoint_event::event::{Event, Kind, Motion, Position, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::rows::CodeRow;
-use counterpoint_program::block::{Datum, PendingCode};
+use counterpoint_program::block::{Datum, PendingCode, Word};
 use counterpoint_sync::shared::Command;
 use counterpoint_sync::wait::{self, Wait};
 
@@ -151,6 +151,11 @@ impl Act<'_, '_> {
     /// Text of the block, for messages: at most 60 characters.
     pub(crate) fn block_text(&self) -> String {
         self.kernel.block_text()
+    }
+
+    /// Text of a word of the block.
+    pub(crate) fn word_bytes(&self, word: &Word) -> std::borrow::Cow<'_, [u8]> {
+        self.kernel.word_bytes(word)
     }
 
     /// Text of the block as it was read.

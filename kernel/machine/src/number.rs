@@ -43,6 +43,31 @@ pub fn written(value: f64, format: &NumberFormat) -> String {
     format!("{sign}{digits}")
 }
 
+/// The value that a register of this format reads from [`written`], without its text.
+#[must_use]
+pub fn rounded(value: f64, format: &NumberFormat) -> f64 {
+    let magnitude = value.abs();
+    let scale = POWERS.get(usize::from(format.frac)).copied().unwrap_or(f64::INFINITY);
+    let units = magnitude * scale;
+    let from_half = (units - units.floor() - 0.5).abs();
+    // The product may be on the wrong side of a half unit; its decimals are not.
+    let rounded = if units < CERTAIN && from_half > NEAR_HALF {
+        units.round() / scale
+    } else {
+        format!("{magnitude:.0$}", usize::from(format.frac)).parse().unwrap_or(magnitude)
+    };
+    if value < 0.0 && rounded != 0.0 { -rounded } else { rounded }
+}
+
+/// Powers of ten for the digits after a point.
+const POWERS: [f64; 10] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
+
+/// Up to here a product is exact to less than [`NEAR_HALF`].
+const CERTAIN: f64 = 1e11;
+
+/// A product this near to a half may belong to either side.
+const NEAR_HALF: f64 = 1e-4;
+
 fn lead(whole: &str, format: &NumberFormat) -> String {
     match format.lead {
         Zeros::Keep => format!("{whole:0>width$}", width = usize::from(format.whole)),
@@ -79,6 +104,19 @@ mod tests {
         assert_eq!(written(0.5, &format(Point::Keep, Zeros::One, Zeros::One)), "0.5");
         assert_eq!(written(2.0, &format(Point::Keep, Zeros::One, Zeros::One)), "2.0");
         assert_eq!(written(2.0, &format(Point::Keep, Zeros::Keep, Zeros::Keep)), "0002.000");
+    }
+
+    #[test]
+    fn a_rounded_value_is_the_written_one() {
+        let values = [0.0, 0.0005, 1.0005, 1.2345, 2.0 / 3.0, 8.0625, 123_456.789_05, 2.5e15, 1e-9, 4.35, 1.005];
+        for frac in [0, 1, 3, 4, 6, 12] {
+            let format = NumberFormat { frac, ..format(Point::Keep, Zeros::One, Zeros::One) };
+            for value in values.into_iter().flat_map(|value| [value, -value]) {
+                let read: f64 = written(value, &format).parse().unwrap();
+                assert_eq!(rounded(value, &format).to_bits(), read.to_bits(), "{value} with {frac} digits");
+            }
+        }
+        assert_eq!(rounded(12.5, &format(Point::Omit, Zeros::Keep, Zeros::Omit)), 12.5);
     }
 
     #[test]

@@ -15,6 +15,8 @@ pub struct Word {
     pub incremental: bool,
     /// Taken by a code or an action.
     pub used: bool,
+    /// A pre-processor made its value, which has the digits that its register writes; its place shows an expression.
+    pub made: bool,
     /// Number as read by the register's format, before any factor.
     pub value: f64,
     /// Start in the line.

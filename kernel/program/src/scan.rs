@@ -176,7 +176,19 @@ impl Scanner {
     #[inline(always)]
     fn split(&self, line: &[u8], secondary: bool, block: &mut Block, statements: bool) -> Kind {
         block.clear();
-        let mut at = 0;
+        self.split_from(line, 0, secondary, block, statements)
+    }
+
+    /// Adds the words of a part of a line to the block. Nothing in the part is for the pre-processor.
+    #[inline(never)]
+    pub fn scan_part(&self, line: &[u8], (start, end): (u32, u32), secondary: bool, block: &mut Block) {
+        let part = line.get(..end as usize).unwrap_or(line);
+        self.split_from(part, start as usize, secondary, block, false);
+    }
+
+    #[inline(always)]
+    fn split_from(&self, line: &[u8], start: usize, secondary: bool, block: &mut Block, statements: bool) -> Kind {
+        let mut at = start;
         while let Some(&byte) = line.get(at) {
             if byte == b' ' || byte == b'\t' {
                 at += 1;
@@ -287,7 +299,7 @@ impl Scanner {
             {
                 let (register, incremental, value) = (prefix.register, prefix.incremental, f64::from(tool));
                 let (start, end) = (at as u32, end as u32);
-                block.push(Word { register, incremental, used: false, value, start, end });
+                block.push(Word { register, incremental, used: false, made: false, value, start, end });
                 return Some(end as usize);
             }
             let Some(end) = self.word(line, from, (at, prefix.register, prefix.incremental), secondary, block) else {
@@ -332,9 +344,15 @@ impl Scanner {
     /// Value of a word's text after its letter, if that text is only a number.
     #[must_use]
     pub fn read_again(&self, register: RegisterId, text: &[u8], secondary: bool) -> Option<f64> {
+        self.reading_of(register, text, secondary).map(|(value, _)| value)
+    }
+
+    /// The same with the irregularities of the number ([`irregular`]).
+    #[must_use]
+    pub fn reading_of(&self, register: RegisterId, text: &[u8], secondary: bool) -> Option<(f64, u8)> {
         let text = text.trim_ascii();
         let (number, end) = parse_number(text, 0)?;
-        (end == text.len()).then(|| self.reading(register, number, secondary).0)
+        (end == text.len()).then(|| self.reading(register, number, secondary))
     }
 
     /// A word that begins at `at`, if a number follows its letter or text, which ends at `from`.
@@ -361,7 +379,7 @@ impl Scanner {
             block.sequence = Some(value as u32);
             return Some(end);
         }
-        block.push(Word { register, incremental, used: false, value, start: at as u32, end: end as u32 });
+        block.push(Word { register, incremental, used: false, made: false, value, start: at as u32, end: end as u32 });
         Some(end)
     }
 }

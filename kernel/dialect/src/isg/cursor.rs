@@ -88,6 +88,11 @@ impl<'a> Cursor<'a> {
         std::str::from_utf8(self.text.get(start..self.at).unwrap_or_default()).unwrap_or("")
     }
 
+    /// The place here without the blanks before it, down to another place.
+    pub(super) fn trimmed(&self, start: usize) -> usize {
+        start + self.between(start).trim_end().len()
+    }
+
     /// Takes a text, if it is next; it may be written without a blank after it.
     pub(super) fn key(&mut self, word: &str) -> bool {
         self.peek();

@@ -8,30 +8,29 @@ use super::cursor::{Cursor, Mistake, plain};
 use super::expr::{Expr, Reader, Variable, is_function, is_value, is_variable};
 use super::message;
 use super::signals::{self, Statement};
+use crate::words::{Span, span};
 
 /// A block.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Line {
     /// Marks of optional skip before the block.
     pub(super) skips: Vec<Option<u8>>,
-    /// Block number, as it is written.
-    pub(super) number: Option<String>,
+    /// Place of the block number with its letter.
+    pub(super) number: Option<Span>,
     pub(super) items: Vec<Item>,
+    /// The block in capitals, without comments.
+    pub(super) plain: Box<[u8]>,
 }
 
 /// Part of a block.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Item {
-    /// An address with its value; `spelled` if that is a number as written.
-    Word {
-        name: char,
-        value: Expr,
-        spelled: Option<String>,
-    },
+    /// An address with its value.
+    Word(Word),
     /// The time of a dwell without an address.
-    Time(Expr),
+    Time(Expr, Span),
     /// `#TIME`.
-    Dwell(Expr),
+    Dwell(Expr, Span),
     Set(Variable, Expr),
     /// A variable alone, between `#VAR` and `#ENDVAR`.
     Declare(Variable),
@@ -49,7 +48,31 @@ pub(super) enum Item {
     /// Understood, and without effect here.
     Idle,
     /// For the tables of the machine.
-    Text(String),
+    Text(Span),
+}
+
+impl Item {
+    /// Whether something of it remains in the block.
+    pub(super) fn remains(&self) -> bool {
+        matches!(self, Self::Word(_) | Self::Time(..) | Self::Dwell(..) | Self::Text(_))
+    }
+}
+
+/// An address with its value.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Word {
+    pub(super) letter: u8,
+    pub(super) value: Expr,
+    /// Place of the value if it is a number as written.
+    pub(super) number: Option<Span>,
+    pub(super) span: Span,
+}
+
+impl Word {
+    /// Whether the number follows its letter, so that the word is one of any control.
+    pub(super) fn is_plain(&self) -> bool {
+        self.number.is_some_and(|(start, _)| start == self.span.0 + 1)
+    }
 }
 
 /// A control block.
@@ -86,7 +109,7 @@ pub(super) enum Target {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Head {
     pub(super) skips: Vec<Option<u8>>,
-    pub(super) number: Option<String>,
+    pub(super) number: Option<Span>,
     pub(super) label: Option<String>,
 }
 
@@ -98,8 +121,10 @@ pub(super) fn head(cursor: &mut Cursor<'_>) -> Head {
         head.skips.push(level.parse().ok());
     }
     if cursor.peek() == Some(b'N') && cursor.ahead(1).is_some_and(|byte| byte.is_ascii_digit()) {
+        let start = cursor.at;
         cursor.at += 1;
-        head.number = Some(cursor.run(|byte| byte.is_ascii_digit()).to_owned());
+        cursor.run(|byte| byte.is_ascii_digit());
+        head.number = Some(span(start, cursor.at));
         if cursor.here() == Some(b':') {
             cursor.at += 1;
         }
@@ -121,16 +146,15 @@ pub(super) fn read(text: &[u8]) -> Result<Line, Mistake> {
     let upper = plain(text);
     let mut cursor = Cursor::new(&upper);
     let head = head(&mut cursor);
-    let mut line = Line { skips: head.skips, number: head.number, items: Vec::new() };
-    let mut dwells = false;
+    let (mut items, mut dwells) = (Vec::new(), false);
     while cursor.peek().is_some() {
         let item = item(&mut cursor, text, dwells)?;
-        if let Item::Word { name: 'G', value, .. } = &item {
+        if let Item::Word(Word { letter: b'G', value, .. }) = &item {
             dwells |= value.as_constant() == Some(&4.0);
         }
-        line.items.push(item);
+        items.push(item);
     }
-    Ok(line)
+    Ok(Line { skips: head.skips, number: head.number, items, plain: upper.into() })
 }
 
 fn item(cursor: &mut Cursor<'_>, text: &[u8], dwells: bool) -> Result<Item, Mistake> {
@@ -149,7 +173,7 @@ fn item(cursor: &mut Cursor<'_>, text: &[u8], dwells: bool) -> Result<Item, Mist
             }
             if dwells {
                 cursor.at = start;
-                return Ok(Item::Time(Reader::new(cursor).sum()?));
+                return time(cursor);
             }
             Ok(Item::Declare(variable))
         }
@@ -158,10 +182,17 @@ fn item(cursor: &mut Cursor<'_>, text: &[u8], dwells: bool) -> Result<Item, Mist
             cursor.at = end;
             Ok(Item::Call { local, name })
         }
-        Some(letter @ b'A'..=b'Z') => Ok(word(cursor, letter)?.unwrap_or_else(|| rest_of_text(cursor, text, start))),
-        Some(b'0'..=b'9' | b'.') if dwells => Ok(Item::Time(Reader::new(cursor).sum()?)),
-        _ => Ok(rest_of_text(cursor, text, start)),
+        Some(letter @ b'A'..=b'Z') => Ok(word(cursor, letter)?.unwrap_or_else(|| rest_of_text(cursor, start))),
+        Some(b'0'..=b'9' | b'.') if dwells => time(cursor),
+        _ => Ok(rest_of_text(cursor, start)),
     }
+}
+
+/// The time of a dwell.
+fn time(cursor: &mut Cursor<'_>) -> Result<Item, Mistake> {
+    let start = cursor.at;
+    let time = Reader::new(cursor).sum()?;
+    Ok(Item::Time(time, span(start, cursor.trimmed(start))))
 }
 
 /// An address with its value.
@@ -178,20 +209,21 @@ fn word(cursor: &mut Cursor<'_>, letter: u8) -> Result<Option<Item>, Mistake> {
     }
     ahead.take(b'=');
     ahead.peek();
-    let start = ahead.at;
+    let (first, start) = (cursor.at, ahead.at);
     let value = Reader::new(&mut ahead).sum()?;
-    let spelled = ahead.between(start).trim().to_owned();
+    let (end, spelled) = (ahead.trimmed(start), ahead.between(start).trim());
+    // A number in brackets is an expression.
+    let is_number = value.as_constant().is_some() && spelled.parse::<f64>().is_ok();
     cursor.at = ahead.at;
     if letter == b'M' && matches!(value.as_constant(), Some(17.0 | 29.0)) {
         return Ok(Some(Item::Return));
     }
-    // A number in brackets is an expression.
-    let spelled = Some(spelled).filter(|text| value.as_constant().is_some() && text.parse::<f64>().is_ok());
-    Ok(Some(Item::Word { name: char::from(letter), value, spelled }))
+    let number = is_number.then(|| span(start, end));
+    Ok(Some(Item::Word(Word { letter, value, number, span: span(first, end) })))
 }
 
 /// Text up to a blank outside of brackets.
-fn rest_of_text(cursor: &mut Cursor<'_>, text: &[u8], start: usize) -> Item {
+fn rest_of_text(cursor: &mut Cursor<'_>, start: usize) -> Item {
     let mut depth = 0_usize;
     cursor.at = start;
     while let Some(byte) = cursor.here() {
@@ -203,7 +235,7 @@ fn rest_of_text(cursor: &mut Cursor<'_>, text: &[u8], start: usize) -> Item {
         }
         cursor.at += 1;
     }
-    Item::Text(String::from_utf8_lossy(text.get(start..cursor.at).unwrap_or_default()).trim().to_owned())
+    Item::Text(span(start, cursor.at))
 }
 
 /// `L NAME` or `LL NAME`: whether it is local, the name, where it ends.
@@ -287,7 +319,10 @@ fn hash(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake> {
     let word = cursor.run(|byte| byte.is_ascii_alphabetic());
     let item = match word {
         "SIGNAL" | "WAIT" if signals::is_one(word, cursor) => Item::Signal(Box::new(signals::read(word, cursor)?)),
-        "TIME" => Item::Dwell(Reader::new(cursor).sum()?),
+        "TIME" => {
+            let time = Reader::new(cursor).sum()?;
+            Item::Dwell(time, span(start, cursor.trimmed(start)))
+        }
         "VAR" | "ENDVAR" => Item::Idle,
         "FLUSH" => {
             let _ = cursor.word("WAIT") || cursor.word("CONTINUE");
@@ -297,8 +332,7 @@ fn hash(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake> {
         _ => {
             cursor.at = start;
             cursor.run(|_| true);
-            let text = text.get(start..cursor.at).unwrap_or_default();
-            Item::Text(String::from_utf8_lossy(text).trim().to_owned())
+            Item::Text(span(start, cursor.at))
         }
     };
     cursor.end()?;
@@ -313,30 +347,44 @@ mod tests {
         read(text.as_bytes()).unwrap().items
     }
 
-    fn spelled(items: &[Item]) -> Vec<(char, Option<&str>)> {
-        let word = |item: &Item| match item {
-            Item::Word { name, spelled, .. } => (*name, spelled.clone()),
+    fn spelled(text: &str) -> Vec<(char, Option<&str>)> {
+        let number = |(start, end): Span| text.get(start as usize..end as usize).unwrap();
+        let word = |item: Item| match item {
+            Item::Word(word) => (char::from(word.letter), word.number.map(number)),
             other => panic!("{other:?}"),
         };
-        items.iter().map(word).map(|(name, spelled)| (name, spelled.map(|s| &*s.leak()))).collect()
+        items(text).into_iter().map(word).collect()
     }
 
     #[test]
     fn words_with_values() {
-        let line = items("N10 G01 X10.5 Y-3 Z[P1+2] F=V.E.FEED");
+        let line = "N10 G01 X10.5 Y-3 Z[P1+2] F=V.E.FEED";
         let expected = [('G', Some("01")), ('X', Some("10.5")), ('Y', Some("-3")), ('Z', None), ('F', None)];
-        assert_eq!(spelled(&line), expected);
-        assert_eq!(spelled(&items("X[8.1] Y-[1] Z-.5")), [('X', None), ('Y', None), ('Z', Some("-.5"))]);
-        assert_eq!(spelled(&items("XP1 YSIN[30] Z 4")), [('X', None), ('Y', None), ('Z', Some("4"))]);
-        assert!(matches!(items("G04 2.5")[..], [Item::Word { .. }, Item::Time(_)]));
-        assert!(matches!(items("G04 P1")[..], [Item::Word { .. }, Item::Time(_)]));
+        assert_eq!(spelled(line), expected);
+        assert_eq!(spelled("X[8.1] Y-[1] Z-.5"), [('X', None), ('Y', None), ('Z', Some("-.5"))]);
+        assert_eq!(spelled("XP1 YSIN[30] Z 4"), [('X', None), ('Y', None), ('Z', Some("4"))]);
+        assert!(matches!(items("G04 2.5")[..], [Item::Word(_), Item::Time(..)]));
+        assert!(matches!(items("G04 P1")[..], [Item::Word(_), Item::Time(..)]));
         assert!(matches!(items("M17")[..], [Item::Return]));
+    }
+
+    #[test]
+    fn words_have_their_places() {
+        let text = "N5 G1 x=P1 + 2 (a) Y 4 FOO[1] ; b";
+        let place = |item: &Item| match item {
+            Item::Word(word) => (word.span, word.is_plain()),
+            Item::Text(span) => (*span, false),
+            other => panic!("{other:?}"),
+        };
+        let part = |((start, end), plain): (Span, bool)| (text.get(start as usize..end as usize).unwrap(), plain);
+        let found: Vec<_> = items(text).iter().map(place).map(part).collect();
+        assert_eq!(found, [("G1", true), ("x=P1 + 2", false), ("Y 4", false), ("FOO[1]", false)]);
     }
 
     #[test]
     fn heads() {
         let line = read(b"/2 N10: [LOOP] G0").unwrap();
-        assert_eq!((line.skips, line.number.as_deref(), line.items.len()), (vec![Some(2)], Some("10"), 1));
+        assert_eq!((line.skips, line.number, line.items.len()), (vec![Some(2)], Some((3, 6)), 1));
         assert_eq!(head(&mut Cursor::new(b"[AGAIN]")).label.as_deref(), Some("AGAIN"));
     }
 
@@ -346,11 +394,11 @@ mod tests {
         assert!(matches!(items("$FOR P1 = 1, 10, 2")[..], [Item::Control(Control::For(..))]));
         assert!(matches!(items("$GOTO [END]")[..], [Item::Control(Control::Goto(Target::Name(_)))]));
         assert!(matches!(items("V.P.COUNT = 3")[..], [Item::Set(..)]));
-        assert!(matches!(items("#TIME 2.5")[..], [Item::Dwell(_)]));
+        assert!(matches!(items("#TIME 2.5")[..], [Item::Dwell(..)]));
         assert_eq!(items("LL UP1"), [Item::Call { local: true, name: "UP1".to_owned() }]);
         assert_eq!(items("L sub.nc"), [Item::Call { local: false, name: "SUB.NC".to_owned() }]);
         assert_eq!(items("#MSG [\"Part (done)\"]"), [Item::Message("Part (done)".to_owned(), Vec::new())]);
-        assert_eq!(items("#HSC ON [A 1]"), [Item::Text("#HSC ON [A 1]".to_owned())]);
+        assert_eq!(items("#HSC ON [A 1]"), [Item::Text((0, 13))]);
         assert!(read(b"$WHILE P1 < 3 X5").is_err() && read(b"$FOO").is_err());
     }
 }

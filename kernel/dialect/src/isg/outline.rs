@@ -10,6 +10,7 @@ use super::signals::Statement;
 use crate::host::{Programs, Signal};
 use crate::outline::{Called, Goal, Reader, Signalled, Step};
 use crate::search::Search;
+use crate::words::part;
 use counterpoint_program::spot::Spot;
 
 impl Reader for Isg {
@@ -24,30 +25,33 @@ impl Reader for Isg {
         if line.skips.iter().any(|level| programs.skips(*level)) {
             return Vec::new();
         }
-        self.steps(programs, &line)
+        self.steps(programs, &line, text)
     }
 }
 
 impl Isg {
-    fn steps(&mut self, programs: &mut dyn Programs, line: &Line) -> Vec<Step> {
+    fn steps(&mut self, programs: &mut dyn Programs, line: &Line, text: &[u8]) -> Vec<Step> {
         let (mut plain, mut steps) = (String::new(), Vec::new());
         for item in &line.items {
             match item {
-                Item::Word { name, spelled: Some(spelled), .. } => {
-                    plain.push(*name);
-                    plain.push_str(spelled);
-                    plain.push(' ');
-                }
-                Item::Word { name, spelled: None, .. } => steps.push(Step::Computed(name.to_string())),
-                Item::Text(text) => {
-                    plain.push_str(text);
+                Item::Word(word) => match word.number {
+                    Some(number) => {
+                        plain.push(char::from(word.letter));
+                        plain.push_str(&part(&line.plain, number));
+                        plain.push(' ');
+                    }
+                    None => steps.push(Step::Computed(char::from(word.letter).to_string())),
+                },
+                Item::Text(span) => {
+                    plain.push_str(part(text, *span).trim());
                     plain.push(' ');
                 }
                 Item::Control(control) => steps.extend(self.outlined(programs, control)),
                 Item::Signal(statement) => steps.push(Step::Signal(signalled(statement))),
                 Item::Call { local, name } => steps.push(self.called(programs, *local, name)),
                 Item::Return => steps.push(Step::Return),
-                Item::Time(_) | Item::Dwell(_) | Item::Set(..) | Item::Declare(_) | Item::Message(..) | Item::Idle => {}
+                Item::Time(..) | Item::Dwell(..) => {}
+                Item::Set(..) | Item::Declare(_) | Item::Message(..) | Item::Idle => {}
             }
         }
         steps.insert(0, Step::Words(plain.into_bytes()));

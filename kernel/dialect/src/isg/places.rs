@@ -11,6 +11,7 @@ use super::cursor::{Cursor, plain};
 use super::line::{Head, head};
 use crate::kept::Table;
 use crate::search::Labels;
+use crate::words::part;
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 use counterpoint_program::syntax::NamedPrograms;
@@ -107,7 +108,8 @@ impl Places {
             let upper = plain(text);
             let mut cursor = Cursor::new(&upper);
             let Head { number, label, .. } = head(&mut cursor);
-            if let Some(number) = number.and_then(|number| number.parse().ok()) {
+            let digits = |(start, end)| part(&upper, (start + 1, end)).parse().ok();
+            if let Some(number) = number.and_then(digits) {
                 places.numbers.add(number, line);
             }
             if let Some(label) = label {

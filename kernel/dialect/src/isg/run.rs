@@ -2,7 +2,7 @@
 //!
 //! Facts: reference channel-synchronisation.md 1.7. Decisions: the time of a dwell without an address is that of X.
 //! Data that only the machine knows are requested from its identification macro, and without an answer they are an
-//! alarm. Invariant: words keep their order; a block that leaves no words leaves no text.
+//! alarm. Invariant: words keep their order and their places in the block.
 
 use counterpoint_fault as diag;
 use counterpoint_lang::value::Value;
@@ -13,7 +13,9 @@ use super::line::Item;
 use super::{Fault, Isg, Outcome, message, no_variable, places};
 use crate::expression::{Evaluate, Stack};
 use crate::host::{Answer, Host};
+use crate::interpreter::Made;
 use crate::numeric::{Function, Operator, truth};
+use crate::words::{Valued, part};
 
 /// Most elements that a declaration makes.
 const ELEMENTS: f64 = 10_000.0;
@@ -53,25 +55,12 @@ fn finite(value: Option<f64>, name: &str) -> Outcome<f64> {
     }
 }
 
-/// Remaining words.
-#[derive(Debug, Default)]
-struct Left(String);
-
-impl Left {
-    fn add(&mut self, word: &str) {
-        if !self.0.is_empty() {
-            self.0.push(' ');
-        }
-        self.0.push_str(word);
-    }
-}
-
 impl Isg {
-    /// Executes a block; returns the text of the remaining words.
-    pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &[u8]) -> Outcome<Option<String>> {
+    /// Executes a block; words that remain are put in the block.
+    pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &[u8]) -> Outcome<Made> {
         let place = host.place();
         if places::is_head(text) {
-            return program_head(host).map(|()| None);
+            return program_head(host).map(|()| Made::Nothing);
         }
         let line = self.read_line((place.file, place.line), text, place.as_read);
         let line = match &*line {
@@ -84,37 +73,39 @@ impl Isg {
             skipped |= host.skips(*level);
         }
         if skipped {
-            return Ok(None);
+            return Ok(Made::Nothing);
         }
-        let mut left = Left::default();
+        let remains = line.items.iter().any(Item::remains);
+        if let Some(number) = line.number.filter(|_| remains && host.is_register("N")) {
+            host.push_plain(&line.plain, number);
+        }
         for item in &line.items {
-            self.item(host, item, &mut left)?;
+            self.item(host, item, (&line.plain, text))?;
         }
-        if left.0.is_empty() {
-            return Ok(None);
-        }
-        match line.number.as_ref().filter(|_| host.is_register("N")) {
-            Some(number) => Ok(Some(format!("N{number} {}", left.0))),
-            None => Ok(Some(left.0)),
-        }
+        Ok(if remains { Made::Words } else { Made::Nothing })
     }
 
-    fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<()> {
+    /// Executes an item of a block, which is `plain` without comments and in capitals.
+    fn item(&mut self, host: &mut dyn Host, item: &Item, (plain, text): (&[u8], &[u8])) -> Outcome<()> {
         match item {
-            Item::Word { name, value, spelled } => {
-                let value = self.value(host, value)?;
-                let name = name.to_string();
-                let word = host.word(&name, value, spelled.as_deref());
-                left.add(&word.unwrap_or_else(|| format!("{name}{value}")));
+            Item::Word(word) if word.is_plain() && host.register(word.letter).is_some() => {
+                host.push_plain(plain, word.span);
             }
-            Item::Time(time) => {
-                let time = self.value(host, time)?;
-                left.add(&host.word("X", time, None).unwrap_or_else(|| format!("X{time}")));
+            Item::Word(word) => {
+                let value = self.value(host, &word.value)?;
+                let letter = [word.letter];
+                let name = std::str::from_utf8(&letter).unwrap_or_default();
+                let number = word.number.map(|number| part(plain, number));
+                put(host, &Valued { name, value, spelled: number.as_deref(), span: word.span }, text);
             }
-            Item::Dwell(time) => {
+            Item::Time(time, span) => {
                 let time = self.value(host, time)?;
-                left.add("G4");
-                left.add(&host.word("X", time, None).unwrap_or_else(|| format!("X{time}")));
+                put(host, &Valued { name: "X", value: time, spelled: None, span: *span }, text);
+            }
+            Item::Dwell(time, span) => {
+                let time = self.value(host, time)?;
+                put(host, &Valued { name: "G", value: 4.0, spelled: Some("4"), span: *span }, text);
+                put(host, &Valued { name: "X", value: time, spelled: None, span: *span }, text);
             }
             Item::Set(variable, value) => {
                 let value = self.value(host, value)?;
@@ -136,7 +127,7 @@ impl Isg {
             Item::Call { local, name } => self.call(host, *local, name)?,
             Item::Return => host.return_from(),
             Item::Idle => {}
-            Item::Text(text) => left.add(text),
+            Item::Text(span) => host.push_plain(text, *span),
         }
         Ok(())
     }
@@ -295,6 +286,13 @@ impl Isg {
             }
         }
         Ok(())
+    }
+}
+
+/// Puts a word in the block; its text stays as it is where the machine does not have the word.
+fn put(host: &mut dyn Host, word: &Valued<'_>, text: &[u8]) {
+    if !word.push(host) {
+        host.push_unknown(text, word.span);
     }
 }
 

@@ -59,7 +59,7 @@ impl Act<'_, '_> {
         let sources = self.sources(id).iter();
         let found = sources.filter_map(|source| Some((source.mul, self.block.look(source.register)?))).next();
         let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() <= 0.001) else { return false };
-        let text = self.current_text().get(word.start as usize..word.end as usize).unwrap_or_default();
+        let text = self.word_bytes(&word);
         // A point within an expression is not a written point.
         mul != 0.0 && text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
     }

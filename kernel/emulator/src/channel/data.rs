@@ -2,6 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 1.3. *Invariant:* a value is removed from the block at most once.
 
+use std::borrow::Cow;
+
 use super::Kernel;
 use super::plan::Source;
 use crate::state::channel::Handed;
@@ -11,6 +13,7 @@ use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::DataRowId;
+use counterpoint_machine::number::written;
 use counterpoint_machine::rows::Point;
 use counterpoint_program::block::{Datum, Word};
 
@@ -115,14 +118,29 @@ impl Kernel<'_> {
         value * self.channel.unit_factor(dimension)
     }
 
+    /// Text of a word: its part of the block, or the digits that its register writes.
+    #[cold]
+    pub(crate) fn word_bytes(&self, word: &Word) -> Cow<'_, [u8]> {
+        if word.made {
+            let register = &self.channel.env.machine.registers[word.register];
+            let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
+            return format!("{}{}", register.before, written(word.value, format)).into_bytes().into();
+        }
+        let span = word.start as usize..word.end as usize;
+        match self.text_bytes() {
+            Cow::Borrowed(line) => line.get(span).unwrap_or_default().into(),
+            Cow::Owned(line) => line.get(span).unwrap_or_default().to_vec().into(),
+        }
+    }
+
     /// Number of a word for a row that does not count the last digit of its register.
     #[cold]
     pub(crate) fn plain(&self, source: &Source, word: &Word) -> f64 {
         let register = &self.channel.env.machine.registers[word.register];
         let format = if self.channel.state.secondary { register.secondary } else { register.format };
-        let line = self.text_bytes();
-        let text = line.get(word.start as usize..word.end as usize).unwrap_or_default();
+        let text = self.word_bytes(word);
         let number = text.get(register.before.len()..).unwrap_or_default().trim_ascii_start();
+        let number = number.strip_prefix(b"=").unwrap_or(number).trim_ascii_start();
         let number = number.strip_prefix(b"-").or(number.strip_prefix(b"+")).unwrap_or(number).trim_ascii();
         // An expression has a value, not digits.
         if number.is_empty() || !number.iter().all(u8::is_ascii_digit) {
@@ -142,12 +160,14 @@ impl Kernel<'_> {
         let plan = self.plan;
         let secondary = self.channel.state.secondary;
         for at in 0..self.channel.block.words.len() {
-            let Some(&word) = self.channel.block.words.get(at) else { continue };
+            let Some(&word) = self.channel.block.words.get(at).filter(|word| !word.made) else { continue };
             let before = self.channel.env.machine.registers[word.register].before.len();
             let value = {
                 let line = self.text_bytes();
                 let text = line.get(word.start as usize..word.end as usize).and_then(|text| text.get(before..));
-                text.and_then(|text| plan.scanner.read_again(word.register, text, secondary))
+                let number =
+                    text.map(|text| text.trim_ascii_start()).map(|text| text.strip_prefix(b"=").unwrap_or(text));
+                number.and_then(|text| plan.scanner.read_again(word.register, text, secondary))
             };
             if let (Some(value), Some(word)) = (value, self.channel.block.words.get_mut(at)) {
                 word.value = value;
@@ -173,8 +193,7 @@ impl Kernel<'_> {
     /// (reference turning-cycles.md 1).
     #[cold]
     fn counting(&self, word: &Word) -> (f64, Dimension) {
-        let text = self.text_bytes();
-        let pointed = text.get(word.start as usize..word.end as usize).is_some_and(|text| text.contains(&b'.'));
+        let pointed = self.word_bytes(word).contains(&b'.');
         match (pointed, self.channel.env.machine.unit) {
             (false, _) => (1.0, Dimension::Increments),
             (true, Unit::Mm) => (1000.0, Dimension::Length),

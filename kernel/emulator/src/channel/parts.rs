@@ -2,6 +2,7 @@
 
 use super::components::Component;
 use super::emit::Emitter;
+use super::left_words::LeftWords;
 use super::plan::Plan;
 use super::variables::ChannelVariables;
 use crate::state::channel::Environment;
@@ -37,6 +38,8 @@ pub(crate) struct DialectState {
     pub(crate) is_stale: bool,
     /// Blocks of the cycle that is executed; only their memory is kept from one to the next.
     pub(crate) cycle_blocks: MadeBlocks,
+    /// Words that the interpreter leaves.
+    pub(crate) left: LeftWords,
 }
 
 impl DialectState {
@@ -49,6 +52,7 @@ impl DialectState {
             interpreter: if executes { kind.interpreter(machine) } else { None },
             is_stale: false,
             cycle_blocks: MadeBlocks::default(),
+            left: LeftWords::default(),
         }
     }
 }

@@ -12,7 +12,7 @@ use counterpoint_machine::index::{CodeRowId, RegisterId, Table};
 use counterpoint_machine::refusals::{Active, Refusal, WordRule, Written};
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_machine::tables::form_range;
-use counterpoint_program::block::{Block, PendingCode};
+use counterpoint_program::block::{Block, PendingCode, Word};
 
 /// The rules of a machine, by their subjects.
 #[derive(Debug)]
@@ -268,15 +268,15 @@ impl Kernel<'_> {
             let value = word.value;
             wrong |= value < rule.min || value > rule.max || rule.whole && value.fract() != 0.0;
             wrong |= rule.zero && value.abs() < NOTHING;
-            wrong |= !rule.pointed && self.is_written_with_point((word.start, word.end));
+            wrong |= !rule.pointed && self.is_written_with_point(word);
         }
         wrong || rule.most.is_some_and(|most| count > usize::from(most))
     }
 
     /// Whether the word is a number with a decimal point; a point within an expression does not count.
     #[cold]
-    fn is_written_with_point(&self, (start, end): (u32, u32)) -> bool {
-        let text = self.current_text().get(start as usize..end as usize).unwrap_or_default();
+    fn is_written_with_point(&self, word: &Word) -> bool {
+        let text = self.word_bytes(word);
         text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
     }
 

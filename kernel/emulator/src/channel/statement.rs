@@ -1,7 +1,8 @@
 //! Statements: blocks for the interpreter of the control.
 //!
-//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* an interpreter leaves words in the block, or a
-//! text that is split into words as any block is; on a kernel with macros the text continues to Pre-Processor Shutdown.
+//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* an interpreter leaves words in the block (Fanuc,
+//! ISG), or a text that is split into words as any block is (other controls); on a kernel with macros they
+//! continue to Pre-Processor Shutdown.
 
 use std::sync::Arc;
 
@@ -21,7 +22,11 @@ impl Kernel<'_> {
             self.trace_deleted(text);
         }
         self.channel.block.clear();
-        match self.with_interpreter(|interpreter, kernel| interpreter.block(kernel, text)) {
+        let done = self.with_interpreter(|interpreter, kernel| {
+            kernel.dialect.left.clear(kernel.asks_left_text());
+            interpreter.block(kernel, text)
+        });
+        match done {
             Some(remaining) => self.remains(remaining?, text),
             None => {
                 let text =
@@ -55,12 +60,27 @@ impl Kernel<'_> {
     fn remains(&mut self, remaining: Remaining, text: &[u8]) -> Acted {
         match remaining {
             Remaining::Nothing => Ok(()),
-            Remaining::Words => self.made_words(),
+            Remaining::Words => self.remaining_words(text),
             Remaining::Text(left) => left.split('\n').try_for_each(|left| self.left_words(left, text)),
         }
     }
 
-    /// Executes the remaining words of a block.
+    /// Executes the words that the interpreter has put in the block.
+    fn remaining_words(&mut self, whole: &[u8]) -> Acted {
+        let left = &self.dialect.left.text;
+        if self.channel.env.trace.is_some() && !left.is_empty() && left.trim().as_bytes() != whole.trim_ascii() {
+            let left = left.clone();
+            self.trace_left(&left);
+        }
+        let Some(joined) = self.dialect.left.joined.take() else { return self.made_words() };
+        let read = self.channel.text.edited.replace(joined);
+        let acted = self.made_words();
+        // The next block has a text of its own.
+        self.channel.text.edited = read;
+        acted
+    }
+
+    /// Executes the text of remaining words of a block.
     fn left_words(&mut self, text: &str, whole: &[u8]) -> Acted {
         // A sequence number alone is nothing that a loop could wait for.
         let number = text.trim().strip_prefix(['N', 'n']).unwrap_or("");

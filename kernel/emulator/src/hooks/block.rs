@@ -91,9 +91,15 @@ impl Kernel<'_> {
     /// them.
     pub(crate) fn words_as_text(&mut self) -> Acted {
         self.macros.block.made = true;
-        let wanted = [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.hook(hook).is_some());
-        if wanted || self.has_embedded(1) {
-            self.write_block();
+        let left = Some(std::mem::take(&mut self.dialect.left.text)).filter(|left| !left.is_empty()).map(Arc::new);
+        let asked = [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.hook(hook).is_some());
+        if !asked && !self.has_embedded(1) {
+            self.macros.block.left = left;
+        } else {
+            match left {
+                None => self.write_block(),
+                left => self.macros.block.text = left,
+            }
             self.block_macro(Hook::PreprocessorShutdown)?;
             self.split_again();
         }
@@ -258,6 +264,11 @@ impl Kernel<'_> {
             Some(text) => text.as_bytes().into(),
             None => self.current_text().into(),
         }
+    }
+
+    /// The same with the words that the pre-processor made.
+    pub(crate) fn preprocessed_bytes(&self) -> std::borrow::Cow<'_, [u8]> {
+        self.macros.block.left.as_ref().map_or_else(|| self.text_bytes(), |left| left.as_bytes().into())
     }
 
     /// The same for a macro.

@@ -27,7 +27,8 @@ type Found = Option<(FileId, Range)>;
 impl Kernel<'_> {
     /// The call of the current block.
     pub(crate) fn called(&self, what: Callee, passes: u32) -> Called {
-        let block = self.plan.hooks.is_some().then(|| String::from_utf8_lossy(&self.text_bytes()).trim().into());
+        let block =
+            self.plan.hooks.is_some().then(|| String::from_utf8_lossy(&self.preprocessed_bytes()).trim().into());
         Called { what, passes, block }
     }
 

@@ -11,6 +11,8 @@ use counterpoint_machine::ident::{CodeId, DataId};
 pub(crate) struct BlockContext {
     /// Text if it is not the line of the file.
     pub(crate) text: Option<Arc<String>>,
+    /// The words that the pre-processor left of it, as text.
+    pub(crate) left: Option<Arc<String>>,
     /// Text in place of unrecognised text, if a macro has set it.
     pub(crate) unrecognised: Option<Arc<String>>,
     /// The pre-processor has worked on it: text that it removes is gone.
@@ -39,7 +41,7 @@ pub(crate) struct Withheld {
 impl BlockContext {
     /// Makes another text the block: a line of the file, or a block that EXEC issued.
     pub(crate) fn begin(&mut self, text: Option<Arc<String>>) {
-        (self.text, self.unrecognised, self.made) = (text, None, false);
+        (self.text, self.left, self.unrecognised, self.made) = (text, None, None, false);
     }
 
     /// The context of a block within this one, which is returned.

@@ -244,7 +244,7 @@ impl Kernel<'_> {
             if self.plan.edits.long_comments {
                 self.pass_long_comment(source, here.line, text)?;
             }
-            self.macros.block.text = None;
+            (self.macros.block.text, self.macros.block.left) = (None, None);
             let next = self.frame().map(|frame| frame.next_block());
             self.block(text)?;
             self.channel.check_stop()?;

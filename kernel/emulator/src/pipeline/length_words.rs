@@ -31,6 +31,7 @@ impl Kernel<'_> {
             register: source.register,
             incremental: true,
             used: false,
+            made: false,
             value: 0.0,
             start: 0,
             end: 0,

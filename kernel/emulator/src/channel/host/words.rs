@@ -115,7 +115,23 @@ impl Words for Kernel<'_> {
                 value
             }
         };
-        self.channel.block.push(Word { register, incremental, used: false, value, start, end });
+        self.channel.block.push(Word { register, incremental, used: false, made: false, value, start, end });
+    }
+
+    fn push_value(&mut self, register: (RegisterId, bool), value: f64, spelled: Option<&str>, span: (u32, u32)) {
+        self.left_value(register, value, spelled, span);
+    }
+
+    fn push_plain(&mut self, text: &[u8], span: (u32, u32)) {
+        self.left_plain(text, span);
+    }
+
+    fn push_unknown(&mut self, text: &[u8], span: (u32, u32)) {
+        self.left_unknown(text, span);
+    }
+
+    fn join_lines(&mut self, text: &[u8]) {
+        self.dialect.left.joined = Some(text.into());
     }
 
     fn push_text(&mut self, row: CodeRowId) {

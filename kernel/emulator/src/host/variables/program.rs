@@ -109,7 +109,7 @@ fn levels(kernel: &Kernel<'_>) -> u16 {
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$CECODE" => (|k, _| code_value(k.macros.block.code), None),
-        "$MCD" => (|k, _| Value::text(String::from_utf8_lossy(&k.text_bytes())), None),
+        "$MCD" => (|k, _| Value::text(String::from_utf8_lossy(&k.preprocessed_bytes())), None),
         "$LMCD" => (|k, _| neighbour(k, false), None),
         "$NMCD" => (|k, _| neighbour(k, true), None),
         "$MCDNO" => (

@@ -1,0 +1,114 @@
+//! Words that the interpreter of a control leaves in its block.
+//!
+//! *Invariant:* a word has its place in the text of the program. The same words are made a text only for the trace and
+//! for macros that ask for the block. Facts: reference control-emulator.md 2.2, 5.4.
+
+use std::sync::Arc;
+
+use super::Kernel;
+use counterpoint_machine::index::RegisterId;
+use counterpoint_machine::number::{rounded, written};
+use counterpoint_machine::rows::Point;
+use counterpoint_program::block::{Word, irregular};
+use counterpoint_program::key_words::Number;
+
+/// The words that an interpreter leaves, beside those of the block.
+#[derive(Debug, Default)]
+pub(crate) struct LeftWords {
+    /// A trace or a macro may ask for their text.
+    asked: bool,
+    /// That text.
+    pub(crate) text: String,
+    /// Text of a block of several lines.
+    pub(crate) joined: Option<Arc<[u8]>>,
+}
+
+impl LeftWords {
+    /// Forgets the words of the block before.
+    pub(crate) fn clear(&mut self, asked: bool) {
+        self.asked = asked;
+        self.text.clear();
+        self.joined = None;
+    }
+
+    fn add(&mut self, text: impl FnOnce() -> String) {
+        if self.asked {
+            if !self.text.is_empty() {
+                self.text.push(' ');
+            }
+            self.text.push_str(&text());
+        }
+    }
+}
+
+impl Kernel<'_> {
+    /// Whether a trace or a macro may ask for the text of the words that an interpreter leaves.
+    #[inline]
+    pub(crate) fn asks_left_text(&self) -> bool {
+        self.channel.env.trace.is_some() || self.plan.hooks.is_some()
+    }
+
+    /// Adds a value as a word of a register.
+    pub(crate) fn left_value(
+        &mut self,
+        (register, incremental): (RegisterId, bool),
+        value: f64,
+        spelled: Option<&str>,
+        (start, end): (u32, u32),
+    ) {
+        let (plan, secondary) = (self.plan, self.channel.state.secondary);
+        let row = &self.channel.env.machine.registers[register];
+        let format = if secondary { &row.secondary } else { &row.format };
+        let number = spelled.and_then(|text| plan.scanner.reading_of(register, text.as_bytes(), secondary));
+        let (read, bits) = number.unwrap_or_else(|| {
+            let value = rounded(value, format);
+            let number = Number { value, point: true, digits: 0, fraction: 0 };
+            let (value, bits) = plan.scanner.reading(register, number, secondary);
+            let pointed = match format.point {
+                Point::Keep => format.frac > 0,
+                Point::Fractional => value.fract() != 0.0,
+                Point::Omit => false,
+            };
+            (value, if pointed { bits } else { bits & !irregular::POINT })
+        });
+        let machine = self.channel.env.machine;
+        self.dialect.left.add(|| {
+            let row = &machine.registers[register];
+            let before = row.second.as_ref().filter(|_| incremental).unwrap_or(&row.before);
+            let number = spelled.map_or_else(|| written(value, format), str::to_owned);
+            format!("{before}{number}{}", row.after)
+        });
+        let block = &mut self.channel.block;
+        block.flags.irregular |= bits;
+        if Some(register) == plan.scanner.sequence() && block.sequence.is_none() && read >= 0.0 {
+            block.sequence = Some(read as u32);
+            return;
+        }
+        block.push(Word { register, incremental, used: false, made: number.is_none(), value: read, start, end });
+        self.flow.pass.effects = true;
+    }
+
+    /// Adds the words of a part of a text with the places of the block.
+    pub(crate) fn left_plain(&mut self, text: &[u8], span: (u32, u32)) {
+        let plan = self.plan;
+        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+        scanner.scan_part(text, span, self.channel.state.secondary, &mut self.channel.block);
+        self.dialect.left.add(|| part(text, span));
+        let block = &self.channel.block;
+        // A sequence number alone is nothing that a loop could wait for.
+        let acts = !(block.words.is_empty() && block.texts.is_empty() && block.unrecognised.is_empty());
+        self.flow.pass.effects |= acts;
+    }
+
+    /// Adds a part of a text that is not a word of the machine.
+    pub(crate) fn left_unknown(&mut self, text: &[u8], span: (u32, u32)) {
+        self.channel.block.push_unrecognised(span);
+        self.dialect.left.add(|| part(text, span));
+        self.flow.pass.effects = true;
+    }
+}
+
+fn part(text: &[u8], (start, end): (u32, u32)) -> String {
+    let part = text.get(start as usize..end as usize).unwrap_or_default();
+    String::from_utf8_lossy(part).trim().to_owned()
+}
