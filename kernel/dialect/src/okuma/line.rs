@@ -10,6 +10,7 @@ use super::lap::Lap;
 use super::names::{self, Local};
 use super::text::Prepared;
 use crate::statement::{RETURN, Shared, Statements};
+use crate::words::{Span, part, span};
 
 /// Key words of statements that other controls have too.
 const STATEMENTS: Statements<&str> = &[("RTS", &RETURN)];
@@ -20,6 +21,8 @@ pub(super) struct Line {
     /// Marks and the sequence number or name before everything else.
     pub(super) head: Vec<Head>,
     pub(super) statement: Statement,
+    /// The block with blanks in place of comments and messages.
+    pub(super) plain: Box<[u8]>,
     pub(super) messages: Vec<String>,
     /// A comment has no end.
     pub(super) open: bool,
@@ -36,12 +39,12 @@ pub(super) struct Line {
 pub(super) enum Head {
     /// A mark of optional skip with its level.
     Mark(Option<u8>),
-    /// A sequence number, as written.
-    Number(String),
-    /// A sequence name, as written.
-    Name(String),
+    /// A sequence number.
+    Number(Span),
+    /// A sequence name.
+    Name(Span),
     /// The name of a program.
-    Program(String),
+    Program(Span),
 }
 
 /// The content of a block.
@@ -92,9 +95,9 @@ pub(super) struct Call {
 #[derive(Debug, PartialEq)]
 pub(super) enum Item {
     /// Text for the machine's tables.
-    Plain(String),
+    Plain(Span),
     /// An offset of the tool in the spindle: `HA`, `DB`.
-    OfTool(String),
+    OfTool(String, Span),
     /// A value for a word or a variable.
     Set {
         /// Name of the word or variable, in capitals.
@@ -102,18 +105,12 @@ pub(super) enum Item {
         /// The variable that it could be; none for the letter of a word with its value in brackets.
         variable: Option<Variable>,
         value: Expr,
-        /// The value as written, if it is a number and nothing else.
-        spelled: Option<String>,
-        /// The item as written.
-        raw: String,
+        /// Place of the value, if it is a number and nothing else.
+        number: Option<Span>,
+        span: Span,
     },
     /// A text for a variable of the control: `VUACM[1]='NO PART'`.
-    Text {
-        variable: Variable,
-        text: String,
-        /// The item as written.
-        raw: String,
-    },
+    Text { variable: Variable, text: String, span: Span },
 }
 
 /// The parts that are removed from blocks.
@@ -132,11 +129,11 @@ pub(super) fn read(prepared: Prepared, wanted: Wanted) -> Result<Line, Mistake> 
     let Prepared { plain, upper, messages, open } = prepared;
     let mut reading = Reading { plain: &plain, cursor: Cursor::new(&upper), offsets: wanted.offsets };
     if let Some(header) = reading.of_the_file() {
-        return Ok(Line { statement: header, messages, open, ..Line::default() });
+        return Ok(Line { statement: header, plain: plain.into(), messages, open, ..Line::default() });
     }
     let head = reading.head();
     let statement = reading.statement(wanted)?;
-    Ok(Line { head, statement, messages, open, ..Line::default() })
+    Ok(Line { head, statement, plain: plain.into(), messages, open, ..Line::default() })
 }
 
 /// A block that is being read.
@@ -148,9 +145,9 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// The text as written from a place up to another.
-    fn raw(&self, start: usize, end: usize) -> String {
-        String::from_utf8_lossy(self.plain.get(start..end).unwrap_or_default()).into_owned()
+    /// The place from one byte up to another, without blanks at its end.
+    fn place(&self, start: usize, end: usize) -> Span {
+        span(start, start + self.plain.get(start..end).unwrap_or_default().trim_ascii_end().len())
     }
 
     /// A line that begins with `$`: the name of the file (`$NAME.MIN%`), or the rest of the line above.
@@ -203,11 +200,11 @@ impl Reading<'_> {
             ahead.at = start + 1 + digits;
         }
         self.cursor = ahead;
-        let text = self.raw(start, self.cursor.at);
+        let place = span(start, self.cursor.at);
         Some(match program {
-            true => Head::Program(text),
-            false if digits > 0 => Head::Number(text),
-            false => Head::Name(text),
+            true => Head::Program(place),
+            false if digits > 0 => Head::Number(place),
+            false => Head::Name(place),
         })
     }
 
@@ -259,7 +256,7 @@ impl Reading<'_> {
         } else if ["MODOUT", "MODIN", "CALL"].into_iter().any(|word| cursor.key_word(word)) {
             cursor.at = start;
             let (start, end) = cursor.rest();
-            return Ok(Statement::Items(vec![Item::Plain(self.raw(start, end))]));
+            return Ok(Statement::Items(vec![Item::Plain(span(start, end))]));
         }
         self.items()
     }
@@ -387,7 +384,7 @@ impl Reading<'_> {
 
     fn flush(&self, plain: &mut Option<usize>, end: usize, items: &mut Vec<Item>) {
         if let Some(start) = plain.take() {
-            items.push(Item::Plain(self.raw(start, end).trim().to_owned()));
+            items.push(Item::Plain(self.place(start, end)));
         }
     }
 
@@ -416,7 +413,7 @@ impl Reading<'_> {
             return Err(Mistake::Expected("'='", self.cursor.at + 1));
         }
         if self.offsets && names::is_offset(name) {
-            return Ok(Some(Item::OfTool(name.to_owned())));
+            return Ok(Some(Item::OfTool(name.to_owned(), span(start, self.cursor.at))));
         }
         // The rest of a number, as in.
         self.cursor.run(|byte| !byte.is_ascii_uppercase() && !matches!(byte, b' ' | b',' | b'=' | b'['));
@@ -428,21 +425,20 @@ impl Reading<'_> {
         self.cursor.at += 1;
         let from = self.cursor.at;
         self.cursor.run(|byte| byte != b'\'');
-        let text = self.raw(from, self.cursor.at);
+        let text = part(self.plain, span(from, self.cursor.at)).into_owned();
         self.cursor.expect(b'\'', "an apostrophe")?;
-        Ok(Item::Text { variable, text, raw: self.raw(start, self.cursor.at) })
+        Ok(Item::Text { variable, text, span: span(start, self.cursor.at) })
     }
 
     fn set(&mut self, start: usize, name: &str, variable: Option<Variable>) -> Result<Item, Mistake> {
         self.cursor.peek();
         let from = self.cursor.at;
         let value = Reader::new(&mut self.cursor).expression()?;
-        let end = self.cursor.at;
-        let written = self.raw(from, end).trim().to_owned();
-        let raw = self.raw(start, end).trim().to_owned();
-        let is_number = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'+');
-        let spelled = Some(written).filter(|text| value.as_constant().is_some() && text.bytes().all(is_number));
-        Ok(Item::Set { name: name.to_owned(), variable, value, spelled, raw })
+        let (place, written) = (self.place(start, self.cursor.at), self.place(from, self.cursor.at));
+        let is_digit = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'+');
+        let is_number = value.as_constant().is_some() && part(self.plain, written).bytes().all(is_digit);
+        let number = is_number.then_some(written);
+        Ok(Item::Set { name: name.to_owned(), variable, value, number, span: place })
     }
 }
 

@@ -33,6 +33,7 @@ pub(crate) use control::Control;
 use super::host::{Host, Programs};
 use super::interpreter::{Interpreter, Made, Remaining, Setting};
 use crate::kept::{Kept, Tables};
+use crate::words::span;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_program::shape::Range;
@@ -252,13 +253,15 @@ impl Interpreter for Okuma {
         let text = match &whole {
             Some((whole, next)) => {
                 host.go_to(*next)?;
+                host.join_lines(whole);
                 whole.as_slice()
             }
             None => text,
         };
         let line = self.line(host, text)?;
         if !line.messages.is_empty() && !self.takes_messages {
-            return Ok(Remaining::Text(String::from_utf8_lossy(text).into_owned()));
+            host.push_plain(text, span(0, text.len()));
+            return Ok(Remaining::Words);
         }
         Ok(self.run(host, &line, text)?.into())
     }
@@ -350,10 +353,8 @@ impl Interpreter for Okuma {
         self.arguments = None;
         let done = self.run(host, &line, &[]);
         self.lines.give_back(at, line);
-        Some(done.map(|left| {
-            debug_assert_eq!(left, None, "a line that needs no text leaves none");
-            Made::Nothing
-        }))
+        debug_assert!(!matches!(done, Ok(Made::Words)), "a line that needs no text leaves no words");
+        Some(done)
     }
 
     fn memory(&self) -> u64 {

@@ -10,6 +10,7 @@ use super::{Okuma, line};
 use crate::host::Programs;
 use crate::outline::{Called, Goal, Reader, Step};
 use crate::statement::RETURN;
+use crate::words::part;
 use counterpoint_program::spot::Spot;
 
 /// The reader.
@@ -69,7 +70,7 @@ impl Outlines {
             Statement::ModIn(_) => vec![Step::Hidden("blocks that move call a program (MODIN)".to_owned())],
             Statement::Shared(shared, _) if **shared == RETURN => vec![Step::Return],
             Statement::Shared(..) => Vec::new(),
-            Statement::Items(items) => words(items),
+            Statement::Items(items) => words(items, &line.plain),
         }
     }
 
@@ -109,17 +110,17 @@ fn unpaired() -> Step {
 }
 
 /// Words of a block: those with numbers as they are written.
-fn words(items: &[Item]) -> Vec<Step> {
+fn words(items: &[Item], text: &[u8]) -> Vec<Step> {
     let (mut plain, mut steps) = (String::new(), Vec::new());
     for item in items {
         match item {
-            Item::Plain(text) => plain.push_str(text),
-            Item::Set { name, spelled: Some(spelled), .. } if name.len() == 1 => {
+            Item::Plain(span) => plain.push_str(&part(text, *span)),
+            Item::Set { name, number: Some(number), .. } if name.len() == 1 => {
                 plain.push_str(name);
-                plain.push_str(spelled);
+                plain.push_str(&part(text, *number));
             }
             Item::Set { name, .. } => steps.push(Step::Computed(name.clone())),
-            Item::Text { .. } | Item::OfTool(_) => {}
+            Item::Text { .. } | Item::OfTool(..) => {}
         }
         plain.push(' ');
     }

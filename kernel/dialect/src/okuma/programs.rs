@@ -10,6 +10,7 @@ use super::loops::{Loops, Open};
 use super::text::prepare;
 use crate::kept::Table;
 use crate::search::{Labels, Search};
+use crate::words::part;
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 
@@ -55,13 +56,13 @@ impl Index {
             let head = head(text);
             loops.line(source, line, matches!(head, Some(Head::Program(_))));
             match head {
-                Some(Head::Program(name)) => {
-                    let name = normal(name.get(1..).unwrap_or_default());
+                Some(Head::Program((start, end))) => {
+                    let name = normal(&part(text, (start + 1, end)));
                     index.definitions.push(Definition { name, first: line, last: line });
                     open = true;
                 }
-                Some(Head::Number(label) | Head::Name(label)) => {
-                    let label = normal(label.get(1..).unwrap_or_default());
+                Some(Head::Number((start, end)) | Head::Name((start, end))) => {
+                    let label = normal(&part(text, (start + 1, end)));
                     index.labels.add(label, line);
                 }
                 _ => {}
@@ -122,9 +123,8 @@ fn cut(text: &[u8]) -> &[u8] {
 
 /// The name of letters and digits by which a line defines a program, without O; one of digits alone is none.
 pub(super) fn program_name(text: &[u8]) -> Option<&[u8]> {
-    let Some(Head::Program(name)) = head(text) else { return None };
-    let start = memchr::memchr2(b'O', b'o', text)? + 1;
-    let name = text.get(start..start + name.len() - 1)?;
+    let Some(Head::Program((start, end))) = head(text) else { return None };
+    let name = text.get(start as usize + 1..end as usize)?;
     name.iter().any(u8::is_ascii_alphabetic).then_some(name)
 }
 

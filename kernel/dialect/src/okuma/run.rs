@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times,
 //! unless a setting says that it counts executions. A modal call calls after every block that moves in the program that
 //! contains it, with the values that its arguments had at the modal call, and ends with that program. Invariant: words
-//! keep their order; a block that leaves none leaves no text.
+//! keep their order and their places in the block.
 
 use counterpoint_fault::{Acted, Halt};
 use std::borrow::Cow;
@@ -19,6 +19,8 @@ use super::store::Arguments;
 use super::{ALARM_TEXTS, Okuma};
 use crate::host;
 use crate::host::{Answer, Host};
+use crate::interpreter::Made;
+use crate::words::{Span, Valued, part};
 use counterpoint_fault as diag;
 
 /// Modal calls at the same time.
@@ -42,21 +44,48 @@ pub(super) struct Modal {
     level: usize,
 }
 
+/// The words that a block leaves.
+struct Left<'a> {
+    /// The block without comments and messages.
+    plain: &'a [u8],
+    /// There are any.
+    any: bool,
+}
+
+impl Left<'_> {
+    /// A part of the block remains as it is.
+    fn keep(&mut self, host: &mut dyn Host, span: Span) {
+        host.push_plain(self.plain, span);
+        self.any = true;
+    }
+
+    /// Adds a word, if a register of the machine has its name.
+    fn add(&mut self, host: &mut dyn Host, word: &Valued<'_>) -> bool {
+        let is_word = word.push(host);
+        self.any |= is_word;
+        is_word
+    }
+
+    fn made(&self) -> Made {
+        if self.any { Made::Words } else { Made::Nothing }
+    }
+}
+
 impl Okuma {
-    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Result<Option<String>, Halt> {
+    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Result<Made, Halt> {
         if line.open {
             let text = format!("a comment or message is not closed in '{}'", host.block_text());
             host.diagnose(&diag::COMMENT_OPEN, text);
         }
-        let mut left = String::new();
+        let mut left = Left { plain: &line.plain, any: false };
         if !self.head(host, line, &mut left) {
-            return Ok(some(left));
+            return Ok(left.made());
         }
         if !line.messages.is_empty() && !host.handles_messages(text) {
             line.messages.iter().for_each(|message| host.show(message));
         }
         match &line.lap {
-            Some(Lap::Begins) => return self.skip_contour(host).map(|()| None),
+            Some(Lap::Begins) => return self.skip_contour(host).map(|()| Made::Nothing),
             Some(Lap::Cuts(name)) => self.cut_along(host, name)?,
             None => {}
         }
@@ -74,7 +103,7 @@ impl Okuma {
             Statement::Continued => {
                 let text = format!("'{}' continues a block, but there is none above it; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_CONTINUED, text);
-                return Ok(None);
+                return Ok(Made::Nothing);
             }
             Statement::Goto(condition, target) => self.go_to(host, condition.as_ref(), target)?,
             Statement::Loop(condition, _) => self.enter_loop(host, condition.as_ref())?,
@@ -93,24 +122,25 @@ impl Okuma {
                 items.iter().try_for_each(|item| self.item(host, item, &mut left))?;
             }
         }
-        Ok(some(left))
+        Ok(left.made())
     }
 
     /// Marks, sequence number and name of a program: whether the rest of the block is executed.
-    fn head(&mut self, host: &mut dyn Host, line: &Line, left: &mut String) -> bool {
+    fn head(&mut self, host: &mut dyn Host, line: &Line, left: &mut Left<'_>) -> bool {
         let mut skipped = false;
         for head in &line.head {
             match head {
                 Head::Mark(level) => skipped = host.skips(*level),
                 _ if skipped => {}
-                Head::Number(text) => push(left, text),
-                Head::Name(text) if !self.takes_names => push(left, text),
+                Head::Number(span) => left.keep(host, *span),
+                Head::Name(span) if !self.takes_names => left.keep(host, *span),
                 Head::Name(_) => {}
                 // A number may be a word of the machine.
-                Head::Program(text) => {
-                    let is_number = text.get(1..).is_some_and(|name| name.bytes().all(|byte| byte.is_ascii_digit()));
+                Head::Program(span) => {
+                    let (start, end) = *span;
+                    let is_number = part(left.plain, (start + 1, end)).bytes().all(|byte| byte.is_ascii_digit());
                     if is_number && host.is_register("O") {
-                        push(left, text);
+                        left.keep(host, *span);
                     }
                 }
             }
@@ -235,50 +265,52 @@ impl Okuma {
         }
     }
 
-    fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut String) -> Acted {
-        let (name, variable, value, spelled, raw) = match item {
-            Item::Plain(text) => {
-                push(left, text);
+    fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left<'_>) -> Acted {
+        let (name, variable, value, number, span) = match item {
+            Item::Plain(span) => {
+                left.keep(host, *span);
                 return Ok(());
             }
-            Item::OfTool(name) => {
+            Item::OfTool(name, span) => {
                 let tool = f64::from(host.tool());
-                push(left, &host.word(name, tool, None).unwrap_or_else(|| name.clone()));
+                if !left.add(host, &Valued { name, value: tool, spelled: None, span: *span }) {
+                    left.keep(host, *span);
+                }
                 return Ok(());
             }
-            Item::Text { variable, text, raw } => return self.text(host, (variable, text, raw), left),
-            Item::Set { name, variable, value, spelled, raw } => (name, variable, value, spelled, raw),
+            Item::Text { variable, text, span } => return self.text(host, (variable, text, *span), left),
+            Item::Set { name, variable, value, number, span } => (name, variable, value, *number, *span),
         };
         if let Some(Variable::System(name, index)) = variable
             && let ("VDOUT", [index]) = (&**name, &**index)
         {
             let output = self.value(host, index)?;
             if let Some(class) = USER_ALARMS.iter().find(|(of, _)| *of == output) {
-                return self.user_alarm(host, *class, value, (raw, left));
+                return self.user_alarm(host, *class, value, (span, left));
             }
         }
         let is_word = self.is_word(host, name);
         let mut eval = Eval::new(&mut self.store, host);
         let done = eval.assigned(value).and_then(|assigned| {
-            let number = assigned.unwrap_or(0.0);
-            let word = if is_word { eval.host.word(name, number, spelled.as_deref()) } else { None };
-            match (word, variable) {
-                (Some(word), _) => {
-                    if assigned.is_none() {
-                        let text = format!("EMPTY is not a valid value for {name} in '{raw}'; 0 is used");
-                        eval.host.diagnose(&diag::OKUMA_UNKNOWN, text);
-                    }
-                    push(left, &word);
-                    Ok(())
+            let spelled = number.map(|number| part(left.plain, number));
+            let word = Valued { name, value: assigned.unwrap_or(0.0), spelled: spelled.as_deref(), span };
+            if is_word && left.add(eval.host, &word) {
+                if assigned.is_none() {
+                    let raw = part(left.plain, span);
+                    let text = format!("EMPTY is not a valid value for {name} in '{raw}'; 0 is used");
+                    eval.host.diagnose(&diag::OKUMA_UNKNOWN, text);
                 }
-                (None, Some(variable)) => eval.assign(variable, assigned),
-                (None, None) => eval.assign_unknown(name, assigned),
+                return Ok(());
+            }
+            match variable {
+                Some(variable) => eval.assign(variable, assigned),
+                None => eval.assign_unknown(name, assigned),
             }
         });
         match done {
             Ok(()) => Ok(()),
             Err(Stop::Keep) => {
-                push(left, raw);
+                left.keep(host, span);
                 Ok(())
             }
             Err(Stop::Halt(halt)) => Err(halt),
@@ -292,7 +324,7 @@ impl Okuma {
         if let Some(known) = self.names.words.get(name) {
             return *known;
         }
-        let is = host.word(name, 0.0, None).is_some();
+        let is = host.register_named(name).is_some();
         if self.names.words.len() >= WORDS {
             self.names.words.clear();
         }
@@ -304,18 +336,18 @@ impl Okuma {
     fn text(
         &mut self,
         host: &mut dyn Host,
-        (variable, text, raw): (&Variable, &str, &str),
-        left: &mut String,
+        (variable, text, span): (&Variable, &str, Span),
+        left: &mut Left<'_>,
     ) -> Acted {
         let asked = match Eval::new(&mut self.store, host).asked_name(variable) {
             Ok(asked) => asked,
-            Err(Stop::Keep) => raw.to_owned(),
+            Err(Stop::Keep) => part(left.plain, span).into_owned(),
             Err(Stop::Halt(halt)) => return Err(halt),
         };
         match host.identify(&asked, Some(&Value::text(text)))?.unless(&asked) {
             Answer::Drop => return Ok(()),
             Answer::Keep => {
-                push(left, raw);
+                left.keep(host, span);
                 return Ok(());
             }
             Answer::Instead(_) | Answer::Unknown => {}
@@ -339,14 +371,14 @@ impl Okuma {
         host: &mut dyn Host,
         (output, class): (f64, char),
         value: &Expr,
-        (raw, left): (&str, &mut String),
+        (span, left): (Span, &mut Left<'_>),
     ) -> Acted {
         let number = self.value(host, value)?;
         let asked = format!("VDOUT[{output}]");
         match host.identify(&asked, Some(&Value::Real(number)))?.unless(&asked) {
             Answer::Drop => return Ok(()),
             Answer::Keep => {
-                push(left, raw);
+                left.keep(host, span);
                 return Ok(());
             }
             Answer::Instead(_) | Answer::Unknown => {}
@@ -359,15 +391,4 @@ impl Okuma {
         }
         Err(host.alarm(&diag::OKUMA_ALARM, text))
     }
-}
-
-fn push(left: &mut String, text: &str) {
-    if !left.is_empty() {
-        left.push(' ');
-    }
-    left.push_str(text);
-}
-
-fn some(left: String) -> Option<String> {
-    if left.is_empty() { None } else { Some(left) }
 }

@@ -1,7 +1,7 @@
 //! Statements: blocks for the interpreter of the control.
 //!
 //! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* an interpreter leaves words in the block (Fanuc,
-//! ISG), or a text that is split into words as any block is (other controls); on a kernel with macros they
+//! ISG, Okuma), or a text that is split into words as any block is (Siemens, Heidenhain); on a kernel with macros they
 //! continue to Pre-Processor Shutdown.
 
 use std::sync::Arc;

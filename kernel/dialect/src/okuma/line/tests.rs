@@ -7,10 +7,11 @@ fn line(text: &str) -> Result<Line, Mistake> {
 
 fn plain(text: &str) -> Vec<String> {
     let Statement::Items(items) = line(text).unwrap().statement else { panic!("{text} has no items") };
+    let part = |(start, end): Span| text.get(start as usize..end as usize).unwrap();
     let text = |item| match item {
-        Item::Plain(text) => format!("'{text}'"),
-        Item::OfTool(name) => name,
-        Item::Set { raw, .. } | Item::Text { raw, .. } => raw,
+        Item::Plain(span) => format!("'{}'", part(span)),
+        Item::OfTool(name, _) => name,
+        Item::Set { span, .. } | Item::Text { span, .. } => part(span).to_owned(),
     };
     items.into_iter().map(text).collect()
 }
@@ -28,11 +29,10 @@ fn items_of_a_block() {
 #[test]
 fn heads_of_a_block() {
     let head = |text: &str| line(text).unwrap().head;
-    let (number, name) = (|text: &str| Head::Number(text.to_owned()), |text: &str| Head::Name(text.to_owned()));
-    assert_eq!(head("/ N10/2 X5"), [Head::Mark(None), number("N10"), Head::Mark(Some(2))]);
-    assert_eq!(head("N10G0X5"), [number("N10")]);
-    assert_eq!(head("nLAP1 G0"), [name("nLAP1")]);
-    assert_eq!(head("oab"), [Head::Program("oab".to_owned())]);
+    assert_eq!(head("/ N10/2 X5"), [Head::Mark(None), Head::Number((2, 5)), Head::Mark(Some(2))]);
+    assert_eq!(head("N10G0X5"), [Head::Number((0, 3))]);
+    assert_eq!(head(" nLAP1 G0"), [Head::Name((1, 6))]);
+    assert_eq!(head("oab"), [Head::Program((0, 3))]);
     assert!(head("NOEX LA=1").is_empty() && head("NMSG").is_empty() && head("X5").is_empty());
     assert!(head("NCYL G81").is_empty() && head("OMIT R3").is_empty() && !head("OMIT").is_empty());
 }
