@@ -79,7 +79,10 @@ pub trait Words {
     /// block: it is the block, or a copy that has blanks in place of comments.
     fn push_plain(&mut self, text: &[u8], span: (u32, u32));
 
-    /// The same for a part that is not a word of the machine.
+    /// Adds words that stand for a part of the block, with its place.
+    fn push_written(&mut self, words: &str, span: (u32, u32));
+
+    /// Adds a part of the block that is not a word of the machine.
     fn push_unknown(&mut self, text: &[u8], span: (u32, u32));
 
     /// The block has this text: lines that continue it belong to it.

@@ -10,8 +10,8 @@
 
 use super::cursor::Cursor;
 use super::expression::{Argument, Expression, expression, unexpected};
+use super::left::Left;
 use super::line::{Item, item};
-use super::run::Left;
 use super::{Fault, Outcome, Siemens, syntax};
 use crate::host::Host;
 use counterpoint_fault as diag;

@@ -15,9 +15,9 @@ use counterpoint_machine::ident::codes;
 use counterpoint_motion::direction::{Cone, leaned};
 
 use super::aims::{Aims, Angle, Vector};
+use super::left::Left;
 use super::modal::{is_curve, is_still};
 use super::orientation::{AXES, DIRECTION};
-use super::run::Left;
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
 use crate::host::Host;
@@ -136,7 +136,7 @@ impl Siemens {
         let Some(direction) = leaned(normal, way, lean, OFF) else {
             return syntax("the normal of the surface (A5, B5, C5) is not perpendicular to the path");
         };
-        left.words = format!("{} {}", left.words, aimed(direction));
+        left.replace(format!("{} {}", left.words, aimed(direction)));
         Ok(())
     }
 
@@ -204,7 +204,7 @@ fn in_pieces(left: &mut Left, cone: &Cone, way: Option<&Move>) {
     let is_aim =
         |word: &str| DIRECTION.iter().any(|name| word.strip_prefix(name).is_some_and(|rest| rest.starts_with('=')));
     let is_place = |word: &str| AXES.iter().any(|name| word.starts_with(name));
-    let all = std::mem::take(&mut left.words);
+    let all = left.take_words();
     let words: Vec<&str> = all.split(' ').filter(|word| !is_aim(word) && !is_place(word)).collect();
     let (last, first): (Vec<&str>, Vec<&str>) = words.into_iter().partition(|word| ends(word));
     let count = (cone.turn.abs() / PIECE - 1e-3).ceil().max(1.0);
@@ -224,7 +224,7 @@ fn in_pieces(left: &mut Left, cone: &Cone, way: Option<&Move>) {
         if f64::from(piece) < count {
             left.before.push(block);
         } else {
-            left.words = block;
+            left.replace(block);
         }
     }
     last.into_iter().for_each(|word| left.add(word));

@@ -5,8 +5,9 @@
 //! found in the text.
 
 use super::expression::Expression;
+use super::left::Left;
 use super::line::{Assigned, Item, Jump, Label, Structure};
-use super::run::{Left, MOST_PASSES, Then};
+use super::run::{MOST_PASSES, Then};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
 use crate::host::{Call, Host};

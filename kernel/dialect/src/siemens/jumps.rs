@@ -61,11 +61,20 @@ enum Step {
 
 /// A block as the search sees it: without marks of optional skip and comment.
 pub(super) fn bare(text: &str) -> &str {
+    without_comment(unmarked(text))
+}
+
+fn unmarked(text: &str) -> &str {
     let mut text = text.trim_start();
     while let Some(rest) = text.strip_prefix('/') {
         text = rest.strip_prefix(|c: char| c.is_ascii_digit()).unwrap_or(rest).trim_start();
     }
-    without_comment(text)
+    text
+}
+
+/// Where the text of a block without its marks of optional skip starts.
+fn start_of(text: &str) -> usize {
+    text.len() - unmarked(text).len()
 }
 
 /// The head of a program of an archive; `%` alone is none.
@@ -203,7 +212,8 @@ impl Siemens {
         }
         let source = host.source(file);
         let text = source.as_ref().map(|source| String::from_utf8_lossy(source.line(line)));
-        let made = Arc::new(read(bare(text.as_deref().unwrap_or_default())));
+        let whole = text.as_deref().unwrap_or_default();
+        let made = Arc::new(read(bare(whole)).map(|line| line.at(start_of(whole))));
         self.read.insert((file, line), &made, text.as_deref().map_or(0, str::len));
         made
     }

@@ -11,6 +11,7 @@ use super::expression::{Argument, Expression, Name, arguments, expression, index
 use super::statement::{JUMPS, call, case, direction, jump, repeat};
 use super::value::Data;
 use crate::statement::{IDLE, Shared, Statements};
+use crate::words::{Span, span};
 
 /// A block.
 #[derive(Debug, Default, PartialEq)]
@@ -20,6 +21,8 @@ pub(super) struct Line {
     /// In capital letters.
     pub(super) label: Option<String>,
     pub(super) items: Vec<Item>,
+    /// Where the number with its letter and the items are in the block; empty if its text is made of other text.
+    pub(super) places: Vec<Span>,
     /// Its text has neither a mark of optional skip nor is it the head of a program: nothing is to be asked before it
     /// acts.
     pub(super) at_once: bool,
@@ -27,6 +30,15 @@ pub(super) struct Line {
     pub(super) is_statement: bool,
     /// A G function of the block makes a limit or a cutting speed of S.
     pub(super) speed_is_other: bool,
+}
+
+impl Line {
+    /// The line with its places in a text that ends with the text that was read.
+    pub(super) fn at(self, offset: usize) -> Self {
+        let offset = offset as u32;
+        let places = self.places.into_iter().map(|(start, end)| (start + offset, end + offset)).collect();
+        Self { places, ..self }
+    }
 }
 
 /// A word or statement.
@@ -234,16 +246,21 @@ pub(super) fn head(cursor: &mut Cursor<'_>) -> (Option<String>, Option<String>) 
 /// Reads a block without comment and marks of optional skip.
 pub(super) fn read(text: &str) -> Result<Line, String> {
     let mut cursor = Cursor::new(text);
+    cursor.blanks();
+    let start = cursor.at();
     let (number, label) = head(&mut cursor);
-    let mut line = Line { number, label, ..Line::default() };
+    let end = start + 1 + number.as_ref().map_or(0, String::len);
+    let mut line = Line { number, label, places: vec![span(start, end)], ..Line::default() };
     loop {
         cursor.blanks();
         if cursor.is_at_end() {
             line.speed_is_other = line.items.iter().any(super::spindles::changes_speed);
             return if line.items.len() > 1 { alone(line) } else { Ok(line) };
         }
+        let start = cursor.at();
         let item = item(&mut cursor)?;
         line.items.push(item);
+        line.places.push(span(start, start + cursor.since(start).trim_end().len()));
     }
 }
 

@@ -7,7 +7,7 @@
 //! approach". Decisions: TRANS, ROT, SCALE and MIRROR remove the additive part, as they remove the whole frame; G58 and
 //! G59 in a frame that is turned, scaled or mirrored are refused. *Invariant:* no value of a G74 or G75 is a position.
 
-use super::run::Left;
+use super::left::Left;
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, syntax};
 use crate::host::{AxisPlace, Host};
@@ -128,7 +128,7 @@ impl Siemens {
                 }
             }
         }
-        left.words = "TRANS".to_owned();
+        left.replace("TRANS".to_owned());
         for (at, letter) in ["X", "Y", "Z"].into_iter().enumerate() {
             if axes.iter().any(|axis| axis.letter.eq_ignore_ascii_case(letter)) {
                 let word = format!("{letter}{}", Data::Real(shift.get(at).copied().unwrap_or(0.0)).word());
@@ -150,7 +150,7 @@ fn at_zero(host: &dyn Host, left: &mut Left) {
         Some((_, _)) => format!("{}0", word.get(..1).unwrap_or_default()),
         None => word.to_owned(),
     };
-    left.words = left.words.split(' ').map(word).collect::<Vec<_>>().join(" ");
+    left.replace(left.words.split(' ').map(word).collect::<Vec<_>>().join(" "));
 }
 
 /// X, Y or Z as 0, 1 or 2.
@@ -189,7 +189,7 @@ fn to_points(host: &mut dyn Host, left: &mut Left, fixed: bool) -> Outcome<()> {
         return syntax(format!("fixed point {number} does not exist, expected 1 to 3 (alarm 17800)"));
     }
     let point = if fixed { format!(" {POINT}={}", number + 1) } else { String::new() };
-    left.words = [mode, text, &point, &words].concat();
+    left.replace([mode, text, &point, &words].concat());
     Ok(())
 }
 

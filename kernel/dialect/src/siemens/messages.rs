@@ -5,7 +5,7 @@
 //! evaluated.
 
 use super::expression::{Argument, as_name};
-use super::run::Left;
+use super::left::Left;
 use super::{Fault, Outcome, Siemens, syntax};
 use crate::host::Host;
 use counterpoint_fault as diag;

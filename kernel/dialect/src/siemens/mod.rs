@@ -30,6 +30,7 @@ mod functions;
 mod groups;
 mod held;
 mod jumps;
+mod left;
 mod line;
 mod meanings;
 mod messages;
@@ -38,6 +39,7 @@ mod moves;
 mod orientation;
 mod outline;
 mod own_block;
+mod places;
 mod positioning;
 mod preparation;
 mod records;
@@ -217,17 +219,17 @@ impl Interpreter for Siemens {
         if let Some(line) = self.read_before(host).filter(|_| self.settings.definitions.is_empty())
             && let Ok(line) = &*line
         {
-            let outcome = self.run(host, line);
-            return Ok(self.reported(host, outcome)?.into());
+            let outcome = self.run(host, line, text);
+            return self.reported(host, outcome);
         }
         let outcome = match self.definition_files(host) {
             Ok(()) => match std::str::from_utf8(text) {
-                Ok(text) => self.carry_out(host, text),
-                Err(_) => self.carry_out(host, &String::from_utf8_lossy(text)),
+                Ok(whole) => self.carry_out(host, whole, text),
+                Err(_) => self.carry_out(host, &String::from_utf8_lossy(text), &[]),
             },
             Err(fault) => Err(fault),
         };
-        Ok(self.reported(host, outcome)?.into())
+        self.reported(host, outcome)
     }
 
     fn restart(&mut self, reset: bool) {

@@ -6,8 +6,8 @@
 //! Invariant: the blocks of the modal subprogram itself, and of the programs it calls, do not call it.
 
 use super::calls::{Calling, PassedArgument};
+use super::left::Left;
 use super::line::Item;
-use super::run::Left;
 use super::syntax;
 use super::{Outcome, Siemens};
 use crate::host::{Call, Host};

@@ -5,8 +5,8 @@
 //! ignored statement is reported.
 
 use super::expression::{Argument, Expression, Name};
+use super::left::Left;
 use super::line::Assigned;
-use super::run::Left;
 use super::{Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
 use counterpoint_fault as diag;

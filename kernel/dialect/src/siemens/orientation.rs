@@ -16,7 +16,7 @@ use super::aims::Vector;
 use super::evaluate::number;
 use super::expression::Argument;
 use super::frame::Frame;
-use super::run::Left;
+use super::left::Left;
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
 use crate::host::Host;
@@ -171,7 +171,7 @@ impl Siemens {
             _ => return syntax(format!("{key} takes one or two space angles")),
         };
         let Some(angles) = angles_of(&rows) else { return syntax(format!("the angles of {key} give no plane")) };
-        left.words = words(if key == "ROTS" { "ROT" } else { "AROT" }, AXES, angles);
+        left.replace(words(if key == "ROTS" { "ROT" } else { "AROT" }, AXES, angles));
         Ok(())
     }
 
@@ -193,7 +193,7 @@ impl Siemens {
         self.held.additive = [0.0; 3];
         let trans = words("TRANS", AXES, shift);
         if key.ends_with("OF") {
-            left.words = trans;
+            left.replace(trans);
             return Ok(());
         }
         let Some([x, y, z]) = host.tool_direction() else {
@@ -201,7 +201,7 @@ impl Siemens {
         };
         let angles = [-libm::asin(y.clamp(-1.0, 1.0)), libm::atan2(x, z), 0.0].map(f64::to_degrees);
         left.before.push(trans);
-        left.words = words("AROT", AXES, angles.map(|angle| if angle.abs() < 1e-9 { 0.0 } else { angle }));
+        left.replace(words("AROT", AXES, angles.map(|angle| if angle.abs() < 1e-9 { 0.0 } else { angle })));
         Ok(())
     }
 }

@@ -9,8 +9,8 @@
 //! group 1, the type of the feed and F of the path do not change.
 
 use super::expression::{Argument, Name, as_name};
+use super::left::Left;
 use super::line::Assigned;
-use super::run::Left;
 use super::{Fault, Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
 use counterpoint_fault as diag;

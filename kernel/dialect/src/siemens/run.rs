@@ -6,63 +6,18 @@
 
 use std::sync::Arc;
 
-use super::aims::Aims;
 use super::expression::{Argument, Expression, Name, as_name, whole};
+use super::left::Left;
 use super::line::{Assigned, Item, Line, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, needs_interpreter, syntax};
 use crate::host::{Answer, Call, Host, Programs};
+use crate::interpreter::Remaining;
 use crate::text::without_comment;
 use counterpoint_fault as diag;
 
 /// Most passes of a call.
 pub(super) const MOST_PASSES: i64 = 9_999;
-
-/// The rest of a block.
-#[derive(Debug, Default)]
-pub(super) struct Left {
-    /// Blocks that act before the words.
-    pub(super) before: Vec<String>,
-    pub(super) words: String,
-    pub(super) call: Option<Call>,
-    pub(super) passes: Option<u32>,
-    /// The word for passes, which is one of the block if nothing is called.
-    passes_word: Option<String>,
-    /// An axis is programmed.
-    pub(super) moves: bool,
-    /// Words of the direction of the tool that the machine's tables do not know.
-    pub(super) aims: Option<Box<Aims>>,
-    /// G90 or G91 is in the block.
-    pub(super) relative: Option<bool>,
-    /// S of the block is a limit or a cutting speed.
-    pub(super) speed_is_other: bool,
-    /// Whether the block has SPOS.
-    pub(super) oriented: bool,
-    /// Axes that POS of the block moves, with their positions as the program counts.
-    pub(super) beside: Vec<(String, f64)>,
-}
-
-impl Left {
-    /// Nothing yet, with the G90 or G91 of another block.
-    pub(super) fn counting_as(other: &Self) -> Self {
-        Self { relative: other.relative, ..Self::default() }
-    }
-
-    /// Whether nothing is left.
-    fn is_empty(&self) -> bool {
-        let Self { before, words, call, passes_word, aims, moves, beside, .. } = self;
-        let nothing = before.is_empty() && words.is_empty() && beside.is_empty();
-        nothing && call.is_none() && passes_word.is_none() && aims.is_none() && !moves
-    }
-
-    /// A word more.
-    pub(super) fn add(&mut self, word: &str) {
-        if !self.words.is_empty() {
-            self.words.push(' ');
-        }
-        self.words.push_str(word);
-    }
-}
 
 /// Whether the rest of the block is executed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,21 +27,28 @@ pub(super) enum Then {
 }
 
 impl Siemens {
-    /// Executes a block; returns the text of the remaining words.
-    pub(super) fn carry_out(&mut self, host: &mut dyn Host, whole: &str) -> Outcome<Option<String>> {
-        let Some(text) = skipped(host, whole) else { return Ok(None) };
+    /// Executes a block, whose bytes are `bytes`; returns its remaining words.
+    pub(super) fn carry_out(&mut self, host: &mut dyn Host, whole: &str, bytes: &[u8]) -> Outcome<Remaining> {
+        let Some(text) = skipped(host, whole) else { return Ok(Remaining::Nothing) };
         let place = host.place();
         if super::jumps::is_head(text) {
-            return self.program_head(host).map(|()| None);
+            return self.program_head(host).map(|()| Remaining::Nothing);
         }
         let kept = place.as_read && self.defines.is_empty();
         let line = match self.read.get((place.file, place.line)).filter(|_| kept) {
             Some(line) => Arc::clone(line),
             None => {
                 let at_once = !whole.trim_start().starts_with('/');
+                let start = whole.len() - text.len();
                 let text = self.expanded(without_comment(text));
                 let is_statement = at_once && needs_interpreter(whole.as_bytes());
-                let line = Arc::new(read(&text).map(|line| Line { at_once, is_statement, ..line }));
+                let mut line = read(&text).map(|line| Line { at_once, is_statement, ..line }.at(start));
+                if let Ok(line) = &mut line
+                    && !self.defines.is_empty()
+                {
+                    line.places.clear();
+                }
+                let line = Arc::new(line);
                 if kept {
                     self.read.insert((place.file, place.line), &line, text.len());
                 }
@@ -94,7 +56,7 @@ impl Siemens {
             }
         };
         match &*line {
-            Ok(line) => self.run(host, line),
+            Ok(line) => self.run(host, line, bytes),
             Err(text) => syntax(text.clone()),
         }
     }
@@ -119,7 +81,7 @@ impl Siemens {
         if is_first { Ok(()) } else { Ok(host.go_to(place.range.last.saturating_add(1))?) }
     }
 
-    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line) -> Outcome<Option<String>> {
+    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Outcome<Remaining> {
         let mut left = Left { speed_is_other: line.speed_is_other, ..Left::default() };
         self.test_actions(host, &mut left)?;
         let is_mode = |item: &&Item| matches!(item, Item::Text(text) if mode(text).is_some());
@@ -134,12 +96,14 @@ impl Siemens {
             if at > 0 && matches!(item, Item::Declare(_) | Item::Header(_)) {
                 return syntax("DEF and PROC stand at the beginning of a block (alarm 14500)");
             }
-            if self.item(host, item, &mut left)? == Then::Stop {
+            let then = self.item(host, item, &mut left)?;
+            left.places.put(left.words.len(), line.place(at));
+            if then == Then::Stop {
                 break;
             }
         }
         if left.is_empty() && self.modal.is_none() {
-            return Ok(None);
+            return Ok(Remaining::Nothing);
         }
         self.call_modally(host, &mut left);
         self.orient(host, &mut left)?;
@@ -148,10 +112,10 @@ impl Siemens {
         self.go_to_positions(host, &mut left)?;
         super::beside_words::check(&left.words, || super::system::plane(host))?;
         self.activate_frames(host, &left.words)?;
-        self.finish(host, line, left)
+        self.finish(host, line, left, text)
     }
 
-    fn finish(&mut self, host: &mut dyn Host, line: &Line, mut left: Left) -> Outcome<Option<String>> {
+    fn finish(&mut self, host: &mut dyn Host, line: &Line, mut left: Left, block: &[u8]) -> Outcome<Remaining> {
         match left.call.take() {
             Some(call) => {
                 let passes = left.passes.unwrap_or(call.passes);
@@ -163,8 +127,13 @@ impl Siemens {
             None => {
                 if let Some(word) = left.passes_word.take() {
                     left.add(&word);
+                    let at = line.items.iter().position(|item| matches!(item, Item::Passes(..)));
+                    left.places.put(left.words.len(), at.and_then(|at| line.place(at)));
                 }
             }
+        }
+        if left.before.is_empty() && left.places.are_words_of(&left.words, block) {
+            return Ok(left.places.push(host, line, &left.words, block));
         }
         let mut text = left.before.join("\n");
         if !left.words.is_empty() {
@@ -178,7 +147,7 @@ impl Siemens {
             }
             text.push_str(&left.words);
         }
-        Ok((!text.is_empty()).then_some(text))
+        Ok(Some(text).filter(|text| !text.is_empty()).into())
     }
 
     pub(super) fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<Then> {

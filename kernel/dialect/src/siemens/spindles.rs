@@ -7,8 +7,8 @@
 //! a block has one oriented stop of a spindle.
 
 use super::expression::{Argument, Expression, Name};
+use super::left::Left;
 use super::line::{Assigned, Item, Positioning};
-use super::run::Left;
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, syntax, wrong_type};
 use crate::host::Host;
@@ -220,5 +220,5 @@ pub(super) fn stop_once(left: &mut Left) {
         stops += usize::from(is_stop(word));
         !is_stop(word) || stops == 1
     });
-    left.words = kept.collect::<Vec<_>>().join(" ");
+    left.replace(kept.collect::<Vec<_>>().join(" "));
 }

@@ -94,6 +94,29 @@ impl Kernel<'_> {
         let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
         scanner.scan_part(text, span, self.channel.state.secondary, &mut self.channel.block);
         self.dialect.left.add(|| part(text, span));
+        self.notes_effect();
+    }
+
+    /// Adds words that stand for a part of the block.
+    pub(crate) fn left_written(&mut self, words: &str, (start, end): (u32, u32)) {
+        let plan = self.plan;
+        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+        let block = &mut self.channel.block;
+        let count = block.words.len();
+        let unrecognised = std::mem::take(&mut block.unrecognised);
+        scanner.scan_part(words.as_bytes(), (0, words.len() as u32), self.channel.state.secondary, block);
+        for word in block.words.iter_mut().skip(count) {
+            (word.start, word.end, word.made) = (start, end, true);
+        }
+        let is_word = std::mem::replace(&mut block.unrecognised, unrecognised).is_empty();
+        if !is_word {
+            block.unrecognised.push((start, end));
+        }
+        self.dialect.left.add(|| words.to_owned());
+        self.notes_effect();
+    }
+
+    fn notes_effect(&mut self) {
         let block = &self.channel.block;
         // A sequence number alone is nothing that a loop could wait for.
         let acts = !(block.words.is_empty() && block.texts.is_empty() && block.unrecognised.is_empty());

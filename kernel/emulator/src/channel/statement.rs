@@ -1,8 +1,8 @@
 //! Statements: blocks for the interpreter of the control.
 //!
-//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* an interpreter leaves words in the block (Fanuc,
-//! ISG, Okuma), or a text that is split into words as any block is (Siemens, Heidenhain); on a kernel with macros they
-//! continue to Pre-Processor Shutdown.
+//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* an interpreter leaves words in the block, or
+//! a text that is split into words as any block is (Heidenhain, and Siemens where other words replace those of the
+//! block). On a kernel with macros they continue to Pre-Processor Shutdown.
 
 use std::sync::Arc;
 

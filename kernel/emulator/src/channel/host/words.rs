@@ -126,6 +126,10 @@ impl Words for Kernel<'_> {
         self.left_plain(text, span);
     }
 
+    fn push_written(&mut self, words: &str, span: (u32, u32)) {
+        self.left_written(words, span);
+    }
+
     fn push_unknown(&mut self, text: &[u8], span: (u32, u32)) {
         self.left_unknown(text, span);
     }
