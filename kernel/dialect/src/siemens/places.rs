@@ -5,7 +5,7 @@
 use super::line::Line;
 use crate::host::Host;
 use crate::interpreter::Remaining;
-use crate::words::{Span, part};
+use crate::words::Span;
 
 /// Parts of the remaining words in their order.
 #[derive(Debug, Default)]
@@ -28,7 +28,12 @@ impl Places {
     pub(super) fn put(&mut self, end: usize, place: Option<Span>) {
         let last = self.parts.last().map_or(0, |(end, _)| *end);
         match place {
-            Some(place) if end > last => self.parts.push((end, place)),
+            Some(place) if end > last => {
+                if self.parts.is_empty() {
+                    self.parts.reserve(8);
+                }
+                self.parts.push((end, place));
+            }
             None if end > last => self.replaced = true,
             _ => {}
         }
@@ -37,7 +42,8 @@ impl Places {
     /// Whether each word has its place, and none is a message or a text that only the block as a whole can have.
     pub(super) fn are_words_of(&self, words: &str, block: &[u8]) -> bool {
         let covered = self.parts.last().map_or(0, |(end, _)| *end) == words.len();
-        let whole = |(text, place): (&str, Span)| is_part(text, block, place) || !text.contains(['(', '"', ';']);
+        let is_plain = |text: &str| !text.bytes().any(|byte| matches!(byte, b'(' | b'"' | b';'));
+        let whole = |(text, place): (&str, Span)| is_plain(text) || is_part(text, block, place);
         !self.replaced && !block.is_empty() && covered && self.parts(words).all(whole)
     }
 
@@ -63,8 +69,8 @@ impl Places {
     }
 }
 
-fn is_part(text: &str, block: &[u8], place: Span) -> bool {
-    part(block, place) == text
+fn is_part(text: &str, block: &[u8], (start, end): Span) -> bool {
+    block.get(start as usize..end as usize) == Some(text.as_bytes())
 }
 
 /// Puts a part in the block: the block itself where it has this text.

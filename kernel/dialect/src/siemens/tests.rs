@@ -24,6 +24,16 @@ fn plain_words_are_not_for_the_pre_processor() {
 }
 
 #[test]
+fn items_have_their_places() {
+    let text = "/ N10 G1 x = R1+1  foo(2 , 3) P2";
+    let line = read(&text[2..]).unwrap().at(2);
+    let part = |(start, end): (u32, u32)| &text[start as usize..end as usize];
+    let parts: Vec<&str> = line.places.iter().copied().map(part).collect();
+    assert_eq!(parts, ["N10", "G1", "x = R1+1", "foo(2 , 3)", "P2"]);
+    assert_eq!(line.place(1), line.places.get(2).copied());
+}
+
+#[test]
 fn words_and_names_are_told_apart() {
     let line = read("N10 G1X10.5 Y-3 X1=5 R1=2 SUB L10 M17 M30").unwrap();
     assert_eq!(line.number.as_deref(), Some("10"));
