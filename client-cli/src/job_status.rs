@@ -87,5 +87,8 @@ pub(crate) fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     if !job.reused_from.is_empty() {
         add("reused_from", job.reused_from.clone().into());
     }
+    if job.reused_ended_ms > 0 {
+        add("reused_ended_ms", job.reused_ended_ms.into());
+    }
     json
 }

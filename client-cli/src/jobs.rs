@@ -154,7 +154,11 @@ fn row(job: &v1::JobStatus, long: bool, now_ms: i64) -> Vec<String> {
         _ if started_day == day => started,
         _ => format!("{started_day} {started}"),
     };
-    let ran = ran_ms(job, now_ms).map_or_else(|| "-".to_owned(), |ms| time(ms.saturating_mul(1_000_000)));
+    let ran = match ran_ms(job, now_ms) {
+        _ if !job.reused_from.is_empty() => "reused".to_owned(),
+        Some(ms) => time(ms.saturating_mul(1_000_000)),
+        None => "-".to_owned(),
+    };
     let cycle = simulated(job).unwrap_or_else(|| "-".to_owned());
     let (labels, submitted) = (labels(job), format!("{day} {submitted}"));
     vec![id.clone(), state_name(job), submitted, started, ran, cycle, job.machine.clone(), labels, programs(job)]
@@ -172,7 +176,8 @@ pub(crate) async fn watch(arguments: Watch) -> Result<u8, Error> {
         let line = match update {
             JobUpdate::Job(job) if arguments.json => as_json(&job).to_string(),
             JobUpdate::Job(job) => {
-                format!("{}  {:<9}  {}  {}", job.job_id, state_name(&job), job.machine, programs(&job))
+                let line = format!("{}  {:<9}  {}  {}", job.job_id, state_name(&job), job.machine, programs(&job));
+                line + if job.reused_from.is_empty() { "" } else { "  (reused)" }
             }
             JobUpdate::Removed(job) if arguments.json => serde_json::json!({ "job": job, "removed": true }).to_string(),
             JobUpdate::Removed(job) => format!("{job}  REMOVED"),

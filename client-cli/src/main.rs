@@ -46,6 +46,7 @@ mod progress;
 mod remote;
 mod report;
 mod results;
+mod reused;
 mod run;
 mod say;
 mod settings;

@@ -5,6 +5,7 @@ use counterpoint_proto::v1;
 use crate::error::Error;
 use crate::findings;
 use crate::job_status::{programs, simulated, simulated_label, state_name};
+use crate::reused;
 use crate::say;
 use crate::severity::WARNING;
 
@@ -12,6 +13,7 @@ use crate::severity::WARNING;
 pub(crate) fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
     not_run(status).unwrap_or_else(|| {
         say::status_line(format!("{}  {}", end(status), status.verdict).trim_end());
+        reused::note(status).iter().for_each(say::status_line);
         exit_code(status, strict)
     })
 }
@@ -21,6 +23,7 @@ pub(crate) fn ended_by_name(status: &v1::JobStatus, strict: bool, quiet: bool) -
     if !quiet {
         let line = format!("{}  {}  {}  {}", status.job_id, end(status), programs(status), status.verdict);
         say::status_line(line.trim_end());
+        reused::note(status).iter().for_each(say::status_line);
     }
     not_run(status).unwrap_or_else(|| exit_code(status, strict))
 }

@@ -9,7 +9,7 @@ use crate::instant::instant;
 use crate::job_status::{as_json, labels, programs, ran_ms, simulated, simulated_label, state_name};
 use crate::jobs::now_ms;
 use crate::text::time;
-use crate::{job_names, say};
+use crate::{job_names, reused, say};
 
 /// Executes the command.
 pub(crate) async fn status(arguments: Status) -> Result<u8, Error> {
@@ -20,20 +20,22 @@ pub(crate) async fn status(arguments: Status) -> Result<u8, Error> {
     if arguments.json {
         say::data(format!("{}\n", as_json(&status)).as_bytes())?;
     } else {
-        say::data(shown(&status, &answer.pinned_machine, now_ms()).as_bytes())?;
+        let source = reused::source(&client, &status).await?;
+        say::data(shown(&status, (&answer.pinned_machine, source), now_ms()).as_bytes())?;
     }
     Ok(0)
 }
 
-/// One line about a job, for the head of its report.
+/// The head of the report of a job: the job and, if it was not run, the source of its results.
 pub(crate) fn heading(status: &v1::JobStatus) -> String {
     let labels = labels(status);
     let labelled = if labels.is_empty() { String::new() } else { format!("  {labels}") };
-    format!("job {}{labelled}  submitted {} UTC\n", status.job_id, instant(status.submitted_ms))
+    let note = reused::note(status).map(|note| format!("{note}\n")).unwrap_or_default();
+    format!("job {}{labelled}  submitted {} UTC\n{note}", status.job_id, instant(status.submitted_ms))
 }
 
 /// One line for each known fact.
-fn shown(job: &v1::JobStatus, pinned: &str, now_ms: i64) -> String {
+fn shown(job: &v1::JobStatus, (pinned, source): (&str, String), now_ms: i64) -> String {
     let machine = if job.machine_guess.is_empty() {
         pinned.to_owned()
     } else {
@@ -57,7 +59,7 @@ fn shown(job: &v1::JobStatus, pinned: &str, now_ms: i64) -> String {
         ("deadline", utc(job.deadline_ms)),
         ("attempts", count(job.attempt)),
         ("rerun of", job.rerun_of.clone()),
-        ("results of", job.reused_from.clone()),
+        ("results of", source),
         (simulated_label(job), simulated(job).unwrap_or_default()),
         ("cause", if cause == "unspecified" { String::new() } else { cause }),
         ("verdict", job.verdict.clone()),
@@ -85,7 +87,7 @@ mod tests {
             priority: v1::JobPriority::Normal.into(),
             ..Default::default()
         };
-        let text = shown(&job, "fanuc-mill", 4500);
+        let text = shown(&job, ("fanuc-mill", String::new()), 4500);
         assert_eq!(
             text.lines().collect::<Vec<_>>(),
             [

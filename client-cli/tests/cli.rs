@@ -865,11 +865,23 @@ fn an_equal_job_on_a_server_has_the_results_of_the_first() {
     let (first, of) = job(&mill);
     let (second, of_first) = job(&mill);
     assert_eq!((of.as_str(), of_first.as_str()), ("", first.as_str()));
-    assert!(call(&["status", &second]).contains(&format!("results of    {first}")));
+    assert!(call(&["status", &second]).contains(&format!("results of    {first}  20")));
+    let note = format!("not run: results of equal job {} of 20", &first[..18]);
+    for arguments in [&["wait", &second][..], &["watch", &second], &["result", &second, "report"]] {
+        let output = counterpoint(&[arguments, &["--server", &url]].concat());
+        let text = [output.stdout, output.stderr].concat();
+        let text = String::from_utf8_lossy(&text);
+        assert!(text.contains(&note) && text.contains(" UTC (submit --no-cache runs it)\n"), "{arguments:?}: {text}");
+    }
+    let rows = call(&["jobs", "--oldest", "--long"]);
+    let reused = |job: &str| rows.lines().find(|row| row.contains(job)).unwrap().contains("  reused  ");
+    assert_eq!((reused(&first), reused(&second)), (false, true), "{rows}");
     for kind in ["summary", "listing", "events", "toolpath"] {
         assert_eq!(call(&["result", &first, kind]), call(&["result", &second, kind]), "{kind}");
     }
     assert_eq!(job(&[&["--no-cache"], &mill[..]].concat()).1, "");
+    call(&["delete", &first]);
+    assert!(call(&["status", &second]).contains(" UTC (deleted)\n"));
 
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/bar-part");
     let [pin, answers] = ["pin.nc", "answers.toml"].map(|name| example.join(name).display().to_string());

@@ -55,7 +55,7 @@ def run() -> int:
             print(failure, file=sys.stderr)
             return 2
         if status.reused_from:
-            print(f"results of the equal job {status.reused_from}", file=sys.stderr)
+            print(f"not run: results of the equal job {status.reused_from}", file=sys.stderr)
         summary = client.summary(job)
         print(f"{summary['state']} after {summary['makespan_ns'] / 1e9:.3f} s of machine time")
         if arguments.timeline:

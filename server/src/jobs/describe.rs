@@ -100,6 +100,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         rerun_of: record.asked.rerun_of,
         machine_guess: record.asked.guess,
         reused_from: record.reuse.from,
+        reused_ended_ms: record.reuse.ended_ms,
         paused: record.paused,
         limit: limit(record.runs.reached).into(),
         cpu_us: record.runs.cpu_us,

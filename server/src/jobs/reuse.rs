@@ -19,7 +19,7 @@ use super::Core;
 use super::live::Live;
 use super::worker::{Change, RESULTS_FROM, seal};
 use crate::blobs::digest;
-use crate::ledger::record::{Record, Work};
+use crate::ledger::record::{Record, Reuse, Work};
 use crate::log::damage::{cut_short, gone};
 use crate::log::reader::Reader;
 use crate::log::wanted::Wanted;
@@ -110,8 +110,10 @@ fn of_equal(from: Record, stored_bytes: u64, digest: String) -> Change {
         (record.log_digest, record.verdict) = (from.log_digest, from.verdict);
         record.highest_severity = from.highest_severity;
         record.runs.stored_bytes = stored_bytes;
-        record.reuse.from = if from.reuse.from.is_empty() { from.id } else { from.reuse.from };
-        record.reuse.digest = digest;
+        record.reuse = match from.reuse.from.is_empty() {
+            true => Reuse { digest, from: from.id, ended_ms: from.ended_ms },
+            false => Reuse { digest, ..from.reuse },
+        };
     })
 }
 

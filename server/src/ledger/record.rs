@@ -230,6 +230,11 @@ pub struct Asked {
     pub limits: Option<Limits>,
 }
 
+/// Whether a time has never been stored.
+fn unknown(ms: &i64) -> bool {
+    *ms == 0
+}
+
 /// Results shared with equal jobs.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
@@ -240,6 +245,9 @@ pub struct Reuse {
     /// The job whose run made the results; empty = this job has run itself.
     #[serde(rename = "reused_from", skip_serializing_if = "String::is_empty")]
     pub from: String,
+    /// Time at which that run ended, ms since 1970; 0 = a run of its own, or not known.
+    #[serde(rename = "reused_ended_ms", skip_serializing_if = "unknown")]
+    pub ended_ms: i64,
 }
 
 /// Start of the digest of a content that covers only the client's request. Earlier digests also covered defaults of the

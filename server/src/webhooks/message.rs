@@ -49,6 +49,7 @@ impl Message {
                 "error": record.error,
                 "verdict": record.verdict,
                 "limit": record.runs.reached.map(|limit| limit.name()),
+                "reused_from": Some(&record.reuse.from).filter(|from| !from.is_empty()),
                 "submitted_ms": record.submitted_ms,
                 "started_ms": record.runs.started_ms,
                 "ended_ms": record.ended_ms,

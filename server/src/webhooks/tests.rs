@@ -12,6 +12,7 @@ use tempfile::TempDir;
 
 use super::Webhooks;
 use super::delivery::Retries;
+use super::message::Message;
 use super::target::Target;
 use crate::ledger::record::tests::record;
 use crate::ledger::record::{Cause, Record, State};
@@ -123,6 +124,18 @@ fn count(metrics: &Metrics, target: &str, outcome: &str) -> u64 {
     let text = metrics.text();
     let start = format!("counterpoint_webhooks_total{{target=\"{target}\",outcome=\"{outcome}\"}} ");
     text.lines().find_map(|line| line.strip_prefix(&start)?.parse().ok()).unwrap_or(0)
+}
+
+#[test]
+fn a_message_names_the_job_whose_results_were_reused() {
+    let data = |record: &Record| {
+        let body: serde_json::Value = serde_json::from_str(&Message::of(record).body).unwrap();
+        body["data"]["reused_from"].clone()
+    };
+    let mut record = ended("7", "default", State::Succeeded);
+    assert_eq!(data(&record), serde_json::Value::Null);
+    record.reuse.from = "5".to_owned();
+    assert_eq!(data(&record), "5");
 }
 
 #[test]

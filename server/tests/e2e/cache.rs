@@ -71,7 +71,7 @@ async fn an_equal_job_has_the_results_of_the_first_and_does_not_run() {
         };
         let second = ended(&server, second).await;
         assert_eq!(prepared(&server), before + 1, "{script}");
-        assert_eq!(second.reused_from, first.job_id, "{script}");
+        assert_eq!((&second.reused_from, second.reused_ended_ms), (&first.job_id, first.ended_ms), "{script}");
         assert!(second.job_id > first.job_id && second.attempt == 1 && second.ended_ms >= second.started_ms);
         let facts = |status: &v1::JobStatus| {
             let v1::JobStatus { state, cause, events, makespan_ns, highest_severity, .. } = *status;
@@ -86,6 +86,7 @@ async fn an_equal_job_has_the_results_of_the_first_and_does_not_run() {
         let before = prepared(&server);
         let third = ended(&server, server.request(&format!("third-{number}"), script).await).await;
         assert_eq!((third.reused_from, prepared(&server)), (first.job_id, before), "{script}");
+        assert_eq!(third.reused_ended_ms, first.ended_ms, "{script}");
         assert!(said(&server, &third.job_id).await == one, "{script}");
     }
     server.stop().await;
