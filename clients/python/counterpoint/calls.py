@@ -15,6 +15,8 @@ from .settings import TOKEN, Settings
 from .v1 import blobs_pb2_grpc, jobs_pb2_grpc, machines_pb2_grpc, results_pb2_grpc
 
 T = TypeVar("T")
+#: Time for the answer to a call that ends at a given time, s.
+ANSWER_S = 0.25
 
 
 class Patience:
@@ -33,12 +35,13 @@ class Patience:
         """The pause before the next try, at least `least`, s; None at the end of patience."""
         now = time.monotonic()
         self._since = now if self._since is None else self._since
-        if now - self._since > self._limit:
+        left = self._since + self._limit - now
+        if left <= 0:
             return None
         # From 0.1 s doubling to 10 s, half of it by chance: clients do not return all at once.
         pause = min(0.1 * float(1 << min(self._failures, 10)), 10.0) * random.uniform(0.5, 1.0)
         self._failures += 1
-        return max(pause, least or 0.0)
+        return min(max(pause, least or 0.0), left)
 
 
 class Calls:
@@ -79,25 +82,46 @@ class Calls:
         """Makes a call that may be repeated."""
         return self._again(lambda: call(request, metadata=self._metadata))
 
+    def _call_until(self, call: Callable[..., T], request: Any, until: float) -> T:
+        """Does the same up to a time of the monotonic clock. Raises TimeoutError at this time."""
+
+        def once() -> T:
+            # An answer that the server gives at this time still arrives.
+            timeout = max(0.0, until - time.monotonic()) + ANSWER_S
+            return call(request, metadata=self._metadata, timeout=timeout)
+
+        try:
+            return self._again(once, until)
+        except Refused as refusal:
+            if refusal.code == grpc.StatusCode.DEADLINE_EXCEEDED:
+                raise TimeoutError from None
+            raise
+
     def _whole(self, call: Callable[..., Iterable[Any]], request: Any) -> bytes:
         """Reads a stream of chunks."""
         return self._again(lambda: b"".join(chunk.data for chunk in call(request, metadata=self._metadata)))
 
-    def _again(self, call: Callable[[], T]) -> T:
+    def _again(self, call: Callable[[], T], until: Optional[float] = None) -> T:
         patience = Patience(self._patience)
         while True:
             try:
                 return call()
             except grpc.RpcError as error:
-                self._pause(error, patience)
+                self._pause(error, patience, until)
 
-    def _pause(self, error: grpc.RpcError, patience: Patience) -> None:
-        """Waits before the next try; raises the error if it is not passing or patience ends."""
+    def _pause(self, error: grpc.RpcError, patience: Patience, until: Optional[float] = None) -> None:
+        """Waits before the next try; raises the error if it is not passing or patience ends.
+
+        Raises TimeoutError at the time `until`.
+        """
         if error.code() != grpc.StatusCode.UNAVAILABLE:
             self._raise(error)
         pause = patience.failed(refused(error).retry_after)
         if pause is None:
             self._raise(error)
+        if until is not None and time.monotonic() + pause >= until:
+            time.sleep(max(0.0, until - time.monotonic()))
+            raise TimeoutError
         time.sleep(pause)
 
     def _raise(self, error: grpc.RpcError) -> NoReturn:

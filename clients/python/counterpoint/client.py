@@ -2,7 +2,7 @@
 
 import time
 import uuid
-from typing import Iterable, Iterator, List, Mapping, Optional
+from typing import Iterable, Iterator, List, Mapping, Optional, Union
 
 import grpc
 
@@ -12,7 +12,7 @@ from .results import Results
 from .settings import StrPath, resolve
 from .v1 import blobs_pb2, jobs_pb2, machines_pb2
 from .watching import Watching, ended
-from .words import When, milliseconds, priority as priority_of, states as states_of
+from .words import When, ago, deadline_ms, milliseconds, priority as priority_of, states as states_of
 
 CHUNK = 64 * 1024
 #: Digests in one question.
@@ -77,7 +77,8 @@ class Client(Watching, Results):
 
         When this returns, the job is on the disk of the server. The request is repeated with its id after a lost
         connection, so the job is accepted once. To repeat a submit yourself with a request_id, give the deadline as a
-        datetime. Raises ValueError if two files of one name differ, UnknownMachine, and Refused.
+        datetime. Raises ValueError if two files of one name differ or the deadline has passed, UnknownMachine, and
+        Refused.
         """
         pack = Pack()
         names = pack.programs(programs)
@@ -90,7 +91,7 @@ class Client(Watching, Results):
             options=options,
             labels=labels,
             priority=priority_of(priority),
-            deadline_ms=milliseconds(deadline),
+            deadline_ms=deadline_ms(deadline, repeated=request_id is not None),
         )
         self._upload(pack.contents)
         try:
@@ -119,7 +120,7 @@ class Client(Watching, Results):
             request_id=request_id or str(uuid.uuid4()),
             labels=labels,
             priority=priority_of(priority),
-            deadline_ms=milliseconds(deadline),
+            deadline_ms=deadline_ms(deadline, repeated=request_id is not None),
         )
         return self._call(self._jobs.RerunJob, request).status.job_id
 
@@ -130,21 +131,33 @@ class Client(Watching, Results):
     def wait(self, job: str, timeout: Optional[float] = None) -> jobs_pb2.JobStatus:
         """Waits for the end of a job, without events; returns its status.
 
-        timeout: maximum wait, s; then raises TimeoutError. Raises JobFailed if the job could not be run.
+        timeout: maximum wait, s, even if the server cannot be reached; then raises TimeoutError. Raises JobFailed if the job
+        could not be run.
         """
-        until = None if timeout is None else time.monotonic() + timeout
+        if timeout is not None:
+            try:
+                return ended(self._wait_until(job, time.monotonic() + timeout))
+            except TimeoutError:
+                raise TimeoutError(f"job {job} has not ended within {timeout:g} s") from None
         while True:
-            left = WAIT_S if until is None else min(WAIT_S, until - time.monotonic())
-            request = jobs_pb2.WaitJobRequest(job_id=job, timeout_ms=max(1, int(left * 1000)))
+            request = jobs_pb2.WaitJobRequest(job_id=job, timeout_ms=int(WAIT_S * 1000))
             status = self._call(self._jobs.WaitJob, request).status
             if status.ended_ms:
                 return ended(status)
-            if until is not None and time.monotonic() >= until:
-                raise TimeoutError(f"job {job} has not ended within {timeout:g} s")
+
+    def _wait_until(self, job: str, until: float) -> jobs_pb2.JobStatus:
+        while True:
+            left = min(WAIT_S, until - time.monotonic())
+            request = jobs_pb2.WaitJobRequest(job_id=job, timeout_ms=max(1, int(left * 1000)))
+            status = self._call_until(self._jobs.WaitJob, request, until).status
+            if status.ended_ms:
+                return status
+            if time.monotonic() >= until:
+                raise TimeoutError
 
     def jobs(
         self,
-        states: Iterable[str] = (),
+        states: Union[str, Iterable[str]] = (),
         *,
         machine: str = "",
         labels: Optional[Mapping[str, str]] = None,
@@ -155,14 +168,14 @@ class Client(Watching, Results):
         """Jobs in order of acceptance; pages are read as needed.
 
         states: queued, running, succeeded, failed, cancelled, paused; none = all. labels: all must match. since, until:
-        time of acceptance; a timedelta counts from now, so timedelta(hours=-1) is an hour ago.
+        time of acceptance; timedelta(hours=24) is 24 hours ago.
         """
         filtered = jobs_pb2.JobFilter(
             states=states_of(states),
             machine=machine,
             labels=labels,
-            from_ms=milliseconds(since),
-            until_ms=milliseconds(until),
+            from_ms=milliseconds(ago("since", since)),
+            until_ms=milliseconds(ago("until", until)),
         )
         request = jobs_pb2.ListJobsRequest(filter=filtered, newest_first=newest_first)
         while True:
@@ -190,8 +203,14 @@ class Client(Watching, Results):
 
     def machines(self) -> List[str]:
         """Names of the machines of the server."""
-        answer = self._call(self._machines.ListMachines, machines_pb2.ListMachinesRequest())
-        return [machine.name for machine in answer.machines]
+        names: List[str] = []
+        request = machines_pb2.ListMachinesRequest()
+        while True:
+            page = self._call(self._machines.ListMachines, request)
+            names += [machine.name for machine in page.machines]
+            if not page.next_page_token:
+                return names
+            request.page_token = page.next_page_token
 
     def _upload(self, contents: Mapping[str, bytes]) -> None:
         """Uploads the contents that the server does not have."""

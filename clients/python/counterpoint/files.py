@@ -34,6 +34,8 @@ class Pack:
     def _add(self, files: Iterable[Tuple[str, bytes]]) -> List[str]:
         names = []
         for name, data in files:
+            if isinstance(data, str):
+                raise TypeError(f"the content of {name} is text: give bytes, for example with .encode()")
             digest = hashlib.sha256(data).hexdigest()
             if self.digests.setdefault(name, digest) != digest:
                 raise ValueError(f"two files are named {name} and differ: rename one of them")

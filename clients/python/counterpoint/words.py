@@ -1,10 +1,11 @@
 """Words for the numbers of the contract."""
 
 import datetime
-from typing import Iterable, List, Optional, Union
+from typing import Iterable, List, Optional, TypeVar, Union
 
 from .v1 import jobs_pb2
 
+T = TypeVar("T")
 #: A time, or a time from now.
 When = Union[datetime.datetime, datetime.timedelta]
 
@@ -24,8 +25,9 @@ def limit_name(status: jobs_pb2.JobStatus) -> str:
     return jobs_pb2.JobLimit.Name(status.limit).replace("JOB_LIMIT_", "").replace("UNSPECIFIED", "")
 
 
-def states(names: Iterable[str]) -> List["jobs_pb2.JobState.ValueType"]:
-    """States by name, in any letter case."""
+def states(names: Union[str, Iterable[str]]) -> List["jobs_pb2.JobState.ValueType"]:
+    """States by name, in any letter case; one name stands for a list of one."""
+    names = [names] if isinstance(names, str) else names
     known = {name.replace("JOB_STATE_", ""): value for name, value in jobs_pb2.JobState.items() if value}
     return [known[_word("state", name, known)] for name in names]
 
@@ -45,6 +47,26 @@ def milliseconds(when: Optional[When]) -> int:
     if isinstance(when, datetime.timedelta):
         when = datetime.datetime.now(datetime.timezone.utc) + when
     return int(when.timestamp() * 1000)
+
+
+def ago(name: str, when: Optional[When]) -> Optional[When]:
+    """A time in the past: a timedelta counts back from now, whatever its sign."""
+    return -abs(_time(name, when)) if isinstance(when, datetime.timedelta) else _time(name, when)
+
+
+def deadline_ms(deadline: Optional[When], repeated: bool) -> int:
+    """A deadline as in `milliseconds`. One that has passed is an error unless the call repeats an earlier one."""
+    now = datetime.datetime.now(datetime.timezone.utc)
+    ms = milliseconds(_time("deadline", deadline))
+    if deadline is not None and not repeated and ms <= milliseconds(now):
+        raise ValueError(f"the deadline {deadline} has passed: the job would not run")
+    return ms
+
+
+def _time(name: str, when: T) -> T:
+    if when is not None and not isinstance(when, (datetime.datetime, datetime.timedelta)):
+        raise TypeError(f"{name} {when!r} is not a datetime or timedelta: for example timedelta(minutes=30)")
+    return when
 
 
 def _word(kind: str, name: str, known: Iterable[str]) -> str:

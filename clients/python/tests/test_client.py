@@ -178,6 +178,30 @@ class Against(unittest.TestCase):
         newest = self.client.jobs(labels=labels, newest_first=True)
         self.assertEqual(next(newest).job_id, jobs[-1])
 
+    def test_times_of_jobs_count_back_from_now_and_one_state_may_be_named(self) -> None:
+        labels = {"recent": str(uuid.uuid4())}
+        job = self.client.submit("fanuc-mill", {"a.nc": PART}, labels=labels)
+        self.client.wait(job)
+        day = datetime.timedelta(hours=24)
+        for since in [day, -day]:
+            self.assertEqual([one.job_id for one in self.client.jobs("succeeded", labels=labels, since=since)], [job])
+        self.assertEqual(list(self.client.jobs(labels=labels, until=day)), [])
+
+    def test_arguments_that_cannot_be_used_are_named(self) -> None:
+        wrong: Any = {"x.nc": "O1"}
+        with self.assertRaisesRegex(TypeError, "the content of x.nc is text: give bytes"):
+            self.client.submit("fanuc-mill", wrong)
+        seconds: Any = 30
+        with self.assertRaisesRegex(TypeError, "deadline 30 is not a datetime or timedelta"):
+            self.client.submit("fanuc-mill", {"a.nc": PART}, deadline=seconds)
+        with self.assertRaisesRegex(TypeError, "since 30 is not a datetime or timedelta"):
+            next(self.client.jobs(since=seconds))
+        past = datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(seconds=1)
+        with self.assertRaisesRegex(ValueError, "has passed"):
+            self.client.submit("fanuc-mill", {"a.nc": PART}, deadline=past)
+        repeated = self.client.submit("fanuc-mill", {"a.nc": PART}, request_id=str(uuid.uuid4()), deadline=past)
+        self.assertEqual(limit_name(self.client.wait(repeated)), "DEADLINE", "a repeated call keeps its deadline")
+
     def test_files_of_macros_are_listed_and_read(self) -> None:
         self.put_machine("writer", WRITER, b"OUTPUT\nOPEN/20,'lists/tools.txt'\nWRITE/20,'T!(*)',$P3\n")
         job = self.client.submit("writer", {"a.nc": b"O1\nG90 G94 F100\nT3 M6\nG1 X1.\nM30\n"})

@@ -2,6 +2,8 @@
 
 import os
 import pickle
+import threading
+import time
 import unittest
 from concurrent import futures
 from typing import Iterator, List
@@ -11,8 +13,9 @@ import grpc
 from google.protobuf import any_pb2
 
 from counterpoint import Client, Refused, Unreachable, refusal_pb2
+from counterpoint.calls import Patience
 from counterpoint.v1 import blobs_pb2, blobs_pb2_grpc, event_pb2, jobs_pb2, jobs_pb2_grpc
-from counterpoint.v1 import results_pb2, results_pb2_grpc
+from counterpoint.v1 import machines_pb2, machines_pb2_grpc, results_pb2, results_pb2_grpc
 
 Context = grpc.ServicerContext
 
@@ -30,13 +33,19 @@ def refuse(context: Context, reason: str, code: grpc.StatusCode, seconds: int = 
     context.abort(code, "not now")
 
 
-class Server(jobs_pb2_grpc.JobsServicer, blobs_pb2_grpc.BlobsServicer, results_pb2_grpc.ResultsServicer):
+class Server(
+    jobs_pb2_grpc.JobsServicer,
+    blobs_pb2_grpc.BlobsServicer,
+    results_pb2_grpc.ResultsServicer,
+    machines_pb2_grpc.MachinesServicer,
+):
     """Refuses the first calls with UNAVAILABLE."""
 
     def __init__(self) -> None:
         self.refusals = 0
         self.requests: List[str] = []
         self.cursors: List[int] = []
+        self.released = threading.Event()
 
     def FindMissing(
         self, request: blobs_pb2.FindMissingRequest, context: Context
@@ -74,6 +83,19 @@ class Server(jobs_pb2_grpc.JobsServicer, blobs_pb2_grpc.BlobsServicer, results_p
         self.refuse(context)
         yield results_pb2.GetEventsResponse(data=b'{"seq": 3}\n{"seq": 4}')
 
+    def WaitJob(self, request: jobs_pb2.WaitJobRequest, context: Context) -> jobs_pb2.WaitJobResponse:
+        self.requests.append(request.job_id)
+        self.refuse(context)
+        self.released.wait(60)
+        return jobs_pb2.WaitJobResponse()
+
+    def ListMachines(
+        self, request: machines_pb2.ListMachinesRequest, context: Context
+    ) -> machines_pb2.ListMachinesResponse:
+        at = int(request.page_token or 0)
+        machines = [machines_pb2.MachineSummary(name=f"m{at}")]
+        return machines_pb2.ListMachinesResponse(machines=machines, next_page_token="" if at == 2 else str(at + 1))
+
     def refuse(self, context: Context) -> None:
         if self.refusals:
             self.refusals -= 1
@@ -88,6 +110,8 @@ class Repeats(unittest.TestCase):
         jobs_pb2_grpc.add_JobsServicer_to_server(self.service, self.server)
         blobs_pb2_grpc.add_BlobsServicer_to_server(self.service, self.server)
         results_pb2_grpc.add_ResultsServicer_to_server(self.service, self.server)
+        machines_pb2_grpc.add_MachinesServicer_to_server(self.service, self.server)
+        self.addCleanup(self.service.released.set)
         self.address = f"127.0.0.1:{self.server.add_insecure_port('127.0.0.1:0')}"
         self.server.start()
         self.addCleanup(self.server.stop, None)
@@ -129,6 +153,31 @@ class Repeats(unittest.TestCase):
         self.server.stop(None).wait()
         with self.assertRaisesRegex(Unreachable, f"no server answers at http://{self.address} .*: check the address"):
             client.status("job")
+
+    def test_a_wait_ends_at_its_timeout_whatever_the_server_does(self) -> None:
+        client = self.client(60)
+        with self.assertRaisesRegex(TimeoutError, "job job has not ended within 0.5 s"):
+            client.wait("job", timeout=0.5)
+        self.assertEqual(len(self.service.requests), 1, "the server does not answer")
+        self.service.refusals = 10_000
+        with self.assertRaises(TimeoutError):
+            client.wait("job", timeout=0.5)
+        self.service.released.set()
+        self.server.stop(None).wait()
+        with self.assertRaises(TimeoutError):
+            client.wait("job", timeout=0.5)
+
+    def test_patience_covers_the_last_pause(self) -> None:
+        patience = Patience(0.2)
+        pauses = 0.0
+        while (pause := patience.failed(10.0)) is not None:
+            pauses += pause
+            time.sleep(pause)
+        self.assertAlmostEqual(pauses, 0.2, places=3)
+        self.assertIsNone(patience.failed(None))
+
+    def test_machines_are_listed_over_pages(self) -> None:
+        self.assertEqual(self.client(60).machines(), ["m0", "m1", "m2"])
 
     def test_a_proxy_without_an_answer_is_named(self) -> None:
         with mock.patch.dict(os.environ, {"http_proxy": "http://127.0.0.1:9", "no_proxy": ""}):
