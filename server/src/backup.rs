@@ -15,6 +15,7 @@ use crate::doctor::examine;
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
 use crate::local::ledger::checkup::{Checkup, copy_ledger};
+use crate::local::owner::Owner;
 use crate::local::store::Store;
 use crate::reason::Refusal;
 use crate::results::Document;
@@ -74,7 +75,7 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
     let rows = checkup.rows()?;
     let mut gone = Vec::new();
     for record in rows.jobs.iter().filter(|record| record.state.ended()) {
-        match copy_folder(&from.join("jobs").join(&record.id), &target.job(&record.id)) {
+        match copy_folder(&from.join("jobs").join(&record.id), &target.job(&record.id), Owner::default()) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error.into()),
             _ => {}
         }
@@ -93,7 +94,7 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
         let new = target.blob(tenant, digest);
         let Ok(place) = new.strip_prefix(to) else { continue };
         let old = from.join(place);
-        match new.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| copy_file(&old, &new)) {
+        match new.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| copy_file(&old, &new, Owner::default())) {
             // The examination of the backup reports it.
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             other => other?,
@@ -116,12 +117,12 @@ fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
         }
         std::thread::sleep(LOOK);
     }
-    copy_file(&ready, to)?;
+    copy_file(&ready, to, Owner::default())?;
     Ok(fs::remove_file(&ready)?)
 }
 
 /// Puts a backup back as the data folder `to`, which must be new or empty; one with damages only if `damaged` allows
-/// it.
+/// it. If root restores to an empty folder of another user, the files belong to this user.
 ///
 /// # Errors
 /// When the backup is damaged, when `to` is not empty, or when a file cannot be read or written.
@@ -136,15 +137,16 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
         ));
     }
     make_empty(to)?;
+    let owner = Owner::of(to);
     let unfinished = |error: io::Error| format!("the folder '{}' is not whole, remove it: {error}", to.display());
     for part in ["blobs", "jobs"] {
-        match copy_folder(&from.join(part), &to.join(part)) {
+        match copy_folder(&from.join(part), &to.join(part), owner) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(unfinished(error)),
             _ => {}
         }
     }
     // Last: a folder without it is not taken for a whole one.
-    copy_file(&from.join("ledger.redb"), &to.join("ledger.redb")).map_err(unfinished)
+    copy_file(&from.join("ledger.redb"), &to.join("ledger.redb"), owner).map_err(unfinished)
 }
 
 fn make_empty(folder: &Path) -> Result<(), String> {
@@ -162,24 +164,26 @@ fn make_empty(folder: &Path) -> Result<(), String> {
     }
 }
 
-fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
+fn copy_folder(from: &Path, to: &Path, owner: Owner) -> io::Result<()> {
     let entries = fs::read_dir(from)?;
     fs::create_dir_all(to)?;
+    owner.give_folder(to)?;
     for entry in entries {
         let entry = entry?;
         let target = to.join(entry.file_name());
         match entry.file_type()?.is_dir() {
-            true => copy_folder(&entry.path(), &target)?,
-            false => copy_file(&entry.path(), &target)?,
+            true => copy_folder(&entry.path(), &target, owner)?,
+            false => copy_file(&entry.path(), &target, owner)?,
         }
     }
     sync_folder(to)
 }
 
 /// Copies a file and makes it durable.
-fn copy_file(from: &Path, to: &Path) -> io::Result<()> {
+fn copy_file(from: &Path, to: &Path, owner: Owner) -> io::Result<()> {
     let mut source = File::open(from)?;
     let mut target = File::create(to)?;
+    owner.give(&target)?;
     io::copy(&mut source, &mut target)?;
     target.sync_all()?;
     to.parent().map_or(Ok(()), sync_folder)

@@ -33,11 +33,17 @@ pub struct Damage {
     pub remedy: String,
     /// It is there no longer.
     pub repaired: bool,
+    /// Information for the operator instead of a damage.
+    pub note: bool,
 }
 
 impl fmt::Display for Damage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let state = if self.repaired { "repaired" } else { "damaged" };
+        let state = match self.repaired {
+            _ if self.note => "note",
+            true => "repaired",
+            false => "damaged",
+        };
         write!(f, "{state}: {}: {}; {}", self.path.display(), self.what, self.remedy)
     }
 }
@@ -82,7 +88,7 @@ struct Doctor {
 impl Doctor {
     /// Notes damage that a repair cannot remove.
     fn lasting(&mut self, path: PathBuf, what: impl Into<String>, remedy: impl Into<String>) {
-        self.found.push(Damage { path, what: what.into(), remedy: remedy.into(), repaired: false });
+        self.found.push(Damage { path, what: what.into(), remedy: remedy.into(), repaired: false, note: false });
     }
 
     /// Notes a damage that a repair mends by `done`.
@@ -91,7 +97,7 @@ impl Doctor {
             true => format!("{done}{then}"),
             false => format!("run again with --repair: {done}{then}"),
         };
-        self.found.push(Damage { path, what: what.into(), remedy, repaired: self.repair });
+        self.found.push(Damage { path, what: what.into(), remedy, repaired: self.repair, note: false });
     }
 
     fn folder(&mut self) -> Result<(), Refusal> {
@@ -153,12 +159,24 @@ impl Doctor {
                 let what = format!("job '{id}'{request} is lost, or was deleted before");
                 self.lasting(kept.clone(), what, "submit it again if it is missing");
             }
-            for id in saved.doubtful_jobs() {
-                let what = format!("job '{id}' was found without its table: it may have been deleted before");
-                self.lasting(kept.clone(), what, "delete it again in this case");
-            }
+            self.doubtful(kept, saved.doubtful_jobs());
         }
         if self.repair { Ok(()) } else { Err(damaged) }
+    }
+
+    /// Names the saved jobs that may have been deleted before, in one line.
+    fn doubtful<'a>(&mut self, path: PathBuf, jobs: impl Iterator<Item = &'a str>) {
+        let ids: Vec<&str> = jobs.collect();
+        let what = match ids.len() {
+            0 => return,
+            1 => format!("1 saved job was found without its table and may have been deleted before ({})", ids.join("")),
+            count => {
+                let ids = ids.join(" ");
+                format!("{count} saved jobs were found without their table and may have been deleted before ({ids})")
+            }
+        };
+        let remedy = "delete again those that were".to_owned();
+        self.found.push(Damage { path, what, remedy, repaired: false, note: true });
     }
 
     fn rows(&mut self, rows: &Rows) {
@@ -185,6 +203,8 @@ impl Doctor {
     /// Reads the log of a job that has ended, and the files that its macros have written.
     fn job(&mut self, checkup: &Checkup, record: &Record) -> Result<(), Refusal> {
         let again = "delete the job and submit it again: the same job gives the same log";
+        // The text of a damaged log already says that the same job gives the same log.
+        let remedy = |text: &str| if text.contains("submit the job again") { "delete the damaged job" } else { again };
         if record.state.ended() && !record.log_digest.is_empty() {
             let files = self.store.logs(&record.id);
             let path = if files.segments.is_file() { files.segments.clone() } else { files.plain.clone() };
@@ -193,13 +213,18 @@ impl Doctor {
                 false => checkup.log(&record.id).map(|log| log.map(|log| Kept::in_ledger(&record.id, log))),
             };
             match kept {
-                Err(Refusal::DataLoss(text)) => self.lasting(self.store.ledger(), text, again),
+                Err(Refusal::DataLoss(text)) => {
+                    let remedy = remedy(&text);
+                    self.lasting(self.store.ledger(), text, remedy);
+                }
                 Err(refusal) => return Err(refusal),
                 Ok(None) => self.lasting(path, "the log of an ended job is gone", again),
                 Ok(Some(kept)) => {
                     if let Some(error) = damage_of_log(&kept, record.events).at(&path)? {
                         let path = if kept.is_in_files() { path } else { self.store.ledger() };
-                        self.lasting(path, error.to_string(), again);
+                        let text = error.to_string();
+                        let remedy = remedy(&text);
+                        self.lasting(path, text, remedy);
                     }
                 }
             }

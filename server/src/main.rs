@@ -78,7 +78,10 @@ fn run(command: &Command, options: &Options) -> ExitCode {
     let done = match command {
         Command::Token(command) => command.run(&options.guard.access),
         Command::Man { folder } => man::write(Arguments::command(), folder),
-        Command::Doctor { data: own, repair } => return examine(own.as_deref().unwrap_or(data), *repair),
+        Command::Doctor { data: own, repair } => {
+            keep_private();
+            return examine(own.as_deref().unwrap_or(data), *repair);
+        }
         Command::Backup { to, data: own } => {
             keep_private();
             backup::backup(own.as_deref().unwrap_or(data), to).and_then(|Contents { jobs, blobs, left_out }| {
@@ -111,10 +114,11 @@ fn examine(folder: &Path, repair: bool) -> ExitCode {
             return ExitCode::from(3);
         }
     };
-    let left = found.iter().filter(|damage| !damage.repaired).count();
-    let (repaired, folder) = (found.len() - left, folder.display());
+    let damaged = found.iter().filter(|damage| !damage.note).count();
+    let repaired = found.iter().filter(|damage| damage.repaired).count();
+    let (left, folder) = (damaged - repaired, folder.display());
     let listed = found.iter().try_for_each(|damage| output::line(format_args!("{damage}")));
-    let total = || output::line(format_args!("{} damaged, {repaired} repaired: {folder}", found.len()));
+    let total = || output::line(format_args!("{damaged} damaged, {repaired} repaired: {folder}"));
     if let Err(error) = listed.and_then(|()| total()) {
         output::failure(format_args!("counterpointd: {error}"));
     }

@@ -9,6 +9,8 @@ use std::sync::Arc;
 
 use prometheus_client::metrics::counter::Counter;
 
+use super::owner::Owner;
+
 /// The next operation on a file or folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
@@ -47,6 +49,8 @@ pub struct Disk {
     faults: Option<Arc<dyn Faults>>,
     /// Counts durable writes.
     syncs: Counter,
+    /// Owner of new files.
+    owner: Owner,
 }
 
 impl std::fmt::Debug for Disk {
@@ -59,12 +63,22 @@ impl Disk {
     /// A disk with troubles.
     #[must_use]
     pub fn faulty(faults: Arc<dyn Faults>) -> Self {
-        Self { faults: Some(faults), syncs: Counter::default() }
+        Self { faults: Some(faults), ..Self::default() }
     }
 
     /// The disk with a counter of durable writes.
     pub(crate) fn counting(self, syncs: &Counter) -> Self {
         Self { syncs: syncs.clone(), ..self }
+    }
+
+    /// The disk for a command on a data folder: files that root makes belong to the owner of the folder.
+    pub(crate) fn for_owner_of(self, folder: &Path) -> Self {
+        Self { owner: Owner::of(folder), ..self }
+    }
+
+    /// The owner of new files.
+    pub(crate) fn owner(&self) -> Owner {
+        self.owner
     }
 
     /// Asks whether a step may be done; of a write, how many bytes.
@@ -77,20 +91,25 @@ impl Disk {
 
     pub(crate) fn create(&self, path: &Path) -> io::Result<Written> {
         self.step(Step::Create, path)?;
-        Ok(Written { file: File::create(path)?, path: path.to_owned(), disk: self.clone() })
+        let file = File::create(path)?;
+        self.owner.give(&file)?;
+        Ok(Written { file, path: path.to_owned(), disk: self.clone() })
     }
 
     /// Opens a file that is written in place, and makes it if it is not there.
     pub(crate) fn create_or_open(&self, path: &Path) -> io::Result<Written> {
         self.step(Step::Create, path)?;
         let file = File::options().create(true).truncate(false).write(true).open(path)?;
+        self.owner.give(&file)?;
         Ok(Written { file, path: path.to_owned(), disk: self.clone() })
     }
 
     /// A temporary file in `folder`; dropping it removes it.
     pub(crate) fn temporary(&self, folder: &Path) -> io::Result<Temporary> {
         self.step(Step::Create, folder)?;
-        Ok(Temporary { file: tempfile::NamedTempFile::new_in(folder)?, disk: self.clone() })
+        let file = tempfile::NamedTempFile::new_in(folder)?;
+        self.owner.give(file.as_file())?;
+        Ok(Temporary { file, disk: self.clone() })
     }
 
     pub(crate) fn create_folder(&self, path: &Path) -> io::Result<()> {
@@ -98,7 +117,8 @@ impl Disk {
             return Ok(());
         }
         self.step(Step::Create, path)?;
-        fs::create_dir_all(path)
+        fs::create_dir_all(path)?;
+        self.owner.give_folder(path)
     }
 
     /// Makes the names in a folder durable where the system has the notion.

@@ -8,6 +8,7 @@ use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
 use super::named::Named as _;
+use super::owner::Owner;
 
 /// The lock of a data folder.
 #[derive(Debug)]
@@ -24,15 +25,20 @@ impl FolderLock {
         Ok(Self(Some(file)))
     }
 
-    /// Takes the lock of a folder that is only read. One that cannot be written needs none without a lock file.
+    /// Takes the lock of a folder that is only read, and changes nothing. Without a lock file no server uses the folder.
     pub(crate) fn of_a_reader(folder: &Path) -> io::Result<Self> {
-        match Self::take(folder) {
-            Err(error) if cannot_be_written(&error) => match File::open(folder.join("lock")) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Self(None)),
-                file => locked(file.at(folder)?).map(|file| Self(Some(file))),
-            },
-            other => other,
+        let path = folder.join("lock");
+        match File::open(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Self(None)),
+            file => locked(file.at(&path)?).map(|file| Self(Some(file))),
         }
+    }
+
+    /// Takes the lock of a folder and gives its file to an owner.
+    pub(crate) fn take_for(owner: Owner, folder: &Path) -> io::Result<Self> {
+        let lock = Self::take(folder)?;
+        lock.0.as_ref().map_or(Ok(()), |file| owner.give(file))?;
+        Ok(lock)
     }
 
     /// Releases the folder although this lock may still be held.
@@ -45,11 +51,6 @@ impl Drop for FolderLock {
     fn drop(&mut self) {
         self.release();
     }
-}
-
-/// Whether an error says that a place is only to be read.
-pub(crate) fn cannot_be_written(error: &io::Error) -> bool {
-    matches!(error.kind(), io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem)
 }
 
 fn locked(file: File) -> io::Result<File> {

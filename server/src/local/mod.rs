@@ -11,6 +11,7 @@ pub(crate) mod ledger;
 mod logs;
 mod marks;
 pub(crate) mod named;
+pub(crate) mod owner;
 pub(crate) mod queue;
 mod shared;
 mod sizes;

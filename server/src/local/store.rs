@@ -39,13 +39,19 @@ pub(crate) struct Store {
     marks: Arc<Marks>,
 }
 
-/// Closes the folder for all users but that of the server.
+/// Closes the folder for all users but that of the server, and files in it that a command has made with another mode.
 fn keep_private(root: &Path) {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
         if let Err(error) = fs::set_permissions(root, fs::Permissions::from_mode(0o700)) {
             tracing::warn!(%error, folder = %root.display(), "other users may be able to read the data folder");
+        }
+        for file in ["ledger.redb", "lock"].map(|name| root.join(name)) {
+            if file.metadata().is_ok_and(|meta| meta.is_file() && meta.permissions().mode() & 0o077 != 0) {
+                // The folder is closed: a mode that cannot be changed lets no other user in.
+                let _ = fs::set_permissions(&file, fs::Permissions::from_mode(0o600));
+            }
         }
     }
     #[cfg(not(unix))]
@@ -97,7 +103,9 @@ impl Store {
                 .iter()
                 .try_for_each(|path| can_be_written(path))?;
         }
-        let lock = Arc::new(if repair { FolderLock::take(&root) } else { FolderLock::of_a_reader(&root) }?);
+        let disk = if repair { disk.for_owner_of(&root) } else { disk };
+        let lock = if repair { FolderLock::take_for(disk.owner(), &root) } else { FolderLock::of_a_reader(&root) };
+        let lock = Arc::new(lock?);
         Ok(Self {
             marks: Arc::new(Marks::of(&root.join("marks"), disk.clone())?),
             root,
@@ -361,7 +369,7 @@ impl Store {
     /// Moves the folder of a job whose row is lost to `lost`.
     pub(crate) fn set_aside(&self, id: &str) -> io::Result<PathBuf> {
         let aside = self.root.join("lost").join(id);
-        fs::create_dir_all(self.root.join("lost")).at(&aside)?;
+        self.disk.create_folder(&self.root.join("lost")).at(&aside)?;
         match fs::remove_dir_all(&aside) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(named(&aside, error)),
             _ => fs::rename(self.job(id), &aside).at(&aside)?,

@@ -29,7 +29,7 @@ fn command(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8(text).unwrap())
 }
 
-/// Contents of all files of a folder but the lock.
+/// Contents of all files of a folder.
 fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut all = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -37,7 +37,7 @@ fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
         for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
             if entry.is_dir() {
                 folders.push(entry);
-            } else if !entry.ends_with("lock") {
+            } else {
                 all.push((entry.clone(), std::fs::read(entry).unwrap()));
             }
         }
@@ -65,8 +65,11 @@ async fn a_whole_folder_has_no_damage_and_one_in_use_is_not_examined() {
     server.stop().await;
     let before = contents(folder.path());
     assert_eq!(examine(folder.path(), false), Ok(Vec::new()));
-    assert!(contents(folder.path()) == before, "an examination changes nothing");
     assert_eq!(command(folder.path(), &[]).0, Some(0));
+    assert!(contents(folder.path()) == before, "an examination changes nothing");
+    std::fs::remove_file(folder.path().join("lock")).unwrap();
+    assert_eq!(command(folder.path(), &[]).0, Some(0));
+    assert!(!folder.path().join("lock").exists(), "it makes no lock");
     assert_eq!(examine(folder.path(), true), Ok(Vec::new()));
     assert_eq!(command(&folder.path().join("none"), &[]).0, Some(3));
     // The state that a killed server leaves is not a damage either.
@@ -147,7 +150,8 @@ async fn every_damage_is_found_with_its_place_and_a_repair_leaves_only_what_nobo
     assert!(contents(data) == before, "an examination changes nothing");
     assert!(found.iter().all(|damage| !damage.repaired), "{found:#?}");
     let lasting = |found: &[Damage]| {
-        assert!(one(found, &log(0), "damaged").remedy.contains("submit it again"));
+        let cut = one(found, &log(0), "damaged");
+        assert!(cut.remedy == "delete the damaged job" && cut.what.matches("submit the job again").count() == 1);
         one(found, &log(1), "gone");
         one(found, &ledger, &jobs[2]);
         one(found, &files, "macros");
@@ -283,6 +287,63 @@ async fn a_ledger_that_has_grown_is_repaired_without_loss_and_each_damaged_one_i
     server.stop().await;
 }
 
+/// The server may not use files of root: those of a repair or a restore by root belong to the owner of the folder.
+#[cfg(unix)]
+#[tokio::test]
+async fn files_of_a_repair_and_a_restore_belong_to_the_owner_of_the_folder_alone() {
+    use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, chown};
+    const USER: u32 = 65_534;
+
+    if !rustix::process::getuid().is_root() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (data, back) = (folder.path().join("data"), folder.path().join("back"));
+    let jobs = folder_of_jobs(&data).await;
+    let ledger = data.join("ledger.redb");
+    let mut headless = std::fs::read(&ledger).unwrap();
+    headless[..4096].fill(0xaa);
+    std::fs::write(&ledger, &headless).unwrap();
+    std::fs::remove_file(data.join("lock")).unwrap();
+    std::fs::create_dir(data.join("jobs/stray")).unwrap();
+    let given = |folder: &Path| {
+        let mut left = vec![folder.to_owned()];
+        while let Some(path) = left.pop() {
+            chown(&path, Some(USER), Some(USER)).unwrap();
+            if path.is_dir() {
+                left.extend(std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
+            }
+        }
+    };
+    let of_user = |folder: &Path| {
+        let mut left = vec![folder.to_owned()];
+        while let Some(path) = left.pop() {
+            let meta = std::fs::metadata(&path).unwrap();
+            assert_eq!((meta.uid(), meta.gid()), (USER, USER), "{}", path.display());
+            if meta.is_dir() {
+                left.extend(std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
+            }
+        }
+    };
+    given(&data);
+    let (_, text) = command(&data, &["--repair"]);
+    assert!(text.contains("6 jobs") && data.join("lost/stray").is_dir(), "{text}");
+    of_user(&data);
+    for file in [&ledger, &data.join("lock")] {
+        assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o600, "{}", file.display());
+    }
+    std::fs::create_dir(&back).unwrap();
+    chown(&back, Some(USER), Some(USER)).unwrap();
+    counterpoint_server::backup::restore(&data, &back, true).unwrap();
+    of_user(&back);
+    // A start closes files that an earlier repair has left open.
+    std::fs::set_permissions(&ledger, std::fs::Permissions::from_mode(0o644)).unwrap();
+    let server = Server::start(options(&data)).await;
+    assert_eq!(ledger.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+    assert_eq!(server.status(&jobs[0]).await.events, 2000);
+    server.stop().await;
+}
+
 /// Pages of a file that contain a text.
 fn pages_with(content: &[u8], text: &str) -> Vec<usize> {
     let within = |page: &[u8]| page.windows(text.len()).any(|part| part == text.as_bytes());
@@ -375,9 +436,13 @@ async fn a_repair_names_the_jobs_that_are_lost_or_may_have_been_deleted() {
     let (_, text) = command(folder.path(), &["--repair"]);
     let server = Server::start(options(folder.path())).await;
     let there = server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap().into_inner();
-    for status in there.jobs {
-        let line = text.lines().find(|line| line.contains(&format!("job '{}' was found without", status.job_id)));
-        assert!(line.is_some_and(|line| line.contains("delete it again")), "{}: {text}", status.job_id);
-    }
+    let notes: Vec<&str> = text.lines().filter(|line| line.contains("without their table")).collect();
+    let [note] = notes[..] else { panic!("one line: {text}") };
+    assert!(note.starts_with("note: ") && note.contains("4 saved jobs") && note.contains("delete again"), "{text}");
+    assert!(there.jobs.iter().all(|status| note.contains(&status.job_id)), "{text}");
+    let damaged = text.lines().filter(|line| line.starts_with("damaged: ")).count();
+    let repaired = text.lines().filter(|line| line.starts_with("repaired: ")).count();
+    let total = format!("{} damaged, {repaired} repaired", damaged + repaired);
+    assert!(text.lines().last().unwrap().starts_with(&total), "{text}");
     server.stop().await;
 }

@@ -31,6 +31,7 @@ impl LedgerFile {
     pub(crate) fn open(disk: &Disk, path: &Path) -> io::Result<Self> {
         disk.step(Step::Create, path).at(path)?;
         let file = File::options().read(true).write(true).create(true).truncate(false).open(path).at(path)?;
+        disk.owner().give(&file).at(path)?;
         disk.step(Step::Sync, path).at(path)?;
         file.sync_data().at(path)?;
         if let Some(folder) = path.parent() {
