@@ -74,10 +74,13 @@ async fn streams(client: &Client) -> Result<String, Error> {
 async fn workers(client: &Client) -> Result<String, Error> {
     let answer = client.admin().list_workers(v1::ListWorkersRequest {}).await?.into_inner();
     let running = answer.workers.len();
+    let alone = answer.workers.iter().filter(|worker| worker.suspect);
+    let alone = alone.map(|worker| format!("job {} runs alone after a crash; other jobs wait\n", worker.job_id));
+    let alone: String = alone.collect();
     let row = |w: v1::WorkerInfo| {
         vec![w.job_id, w.tenant, w.machine, w.attempt.to_string(), w.blocks.to_string(), w.events.to_string()]
     };
     let list = rows(&["job", "tenant", "machine", "run", "blocks", "events"], answer.workers.into_iter().map(row), 3);
     let v1::ListWorkersResponse { slots, storing, queued, .. } = answer;
-    Ok(format!("{list}{running} of {slots} workers run jobs, {storing} jobs are being stored, {queued} wait\n"))
+    Ok(format!("{list}{alone}{running} of {slots} workers run jobs, {storing} jobs are being stored, {queued} wait\n"))
 }

@@ -78,6 +78,9 @@ pub(crate) fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     if job.deadline_ms > 0 {
         add("deadline_ms", job.deadline_ms.into());
     }
+    if job.suspect {
+        add("suspect", true.into());
+    }
     if job.paused {
         add("paused", true.into());
     }

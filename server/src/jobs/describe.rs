@@ -101,6 +101,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         machine_guess: record.asked.guess,
         reused_from: record.reuse.from,
         reused_ended_ms: record.reuse.ended_ms,
+        suspect: record.runs.suspect,
         paused: record.paused,
         limit: limit(record.runs.reached).into(),
         cpu_us: record.runs.cpu_us,

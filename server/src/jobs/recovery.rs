@@ -22,12 +22,19 @@ impl Core {
         if !jobs.is_empty() {
             tracing::info!(jobs = jobs.len(), running = died.at_work, "jobs that have not ended are taken up again");
         }
+        if died.at_work > 0 {
+            let jobs = died.at_work;
+            tracing::warn!(
+                jobs,
+                "the last server died while these jobs were at work: each of them runs alone at first"
+            );
+        }
         let mut changed = Vec::new();
         for job in &mut jobs {
             let before = job.clone();
             died.recover(job, &self.board.clock);
             if died.was_at_work(&before) {
-                tracing::info!(job = job.id, state = ?job.state, suspect = job.runs.suspect, "recovered");
+                report(job);
             }
             if died.had_begun(&before) || job.state.ended() {
                 // Log and results belong to a run that did not reach its end.
@@ -49,6 +56,16 @@ impl Core {
             }
         }
         Ok(())
+    }
+}
+
+/// Logs the state to which a job returns that was at work when the server died.
+fn report(job: &Record) {
+    let (id, error) = (&job.id, &job.error);
+    match job.state {
+        State::Failed => tracing::warn!(job = id, tenant = job.tenant, "given up: {error}"),
+        State::Queued => tracing::warn!(job = id, crashes = job.runs.crashes.at_work, "suspect: it waits to run alone"),
+        state => tracing::info!(job = id, ?state, "recovered"),
     }
 }
 

@@ -30,6 +30,7 @@ fn worker(live: &Live) -> v1::WorkerInfo {
         attempt: record.runs.attempt,
         blocks: progress.unwrap_or(0),
         events: live.tail().position().last_seq,
+        suspect: record.runs.suspect,
     }
 }
 

@@ -24,6 +24,8 @@ mod commands;
 mod compact;
 mod connections;
 mod contract;
+#[cfg(target_os = "linux")]
+mod crash_log;
 mod cut;
 mod damage;
 #[cfg(target_os = "linux")]
