@@ -33,6 +33,14 @@ pub(crate) struct Client {
     _data: Option<tempfile::TempDir>,
 }
 
+/// A job that the server has accepted.
+#[derive(Debug)]
+pub(crate) struct Submitted {
+    pub(crate) job: String,
+    /// Accepted before, with the same request id.
+    pub(crate) duplicate: bool,
+}
+
 impl Client {
     /// Connects to a server, with token and certificates from the environment: on a command line every user of the
     /// machine could read them.
@@ -109,8 +117,9 @@ impl Client {
     }
 
     /// Submits a job.
-    pub(crate) async fn submit(&self, request: v1::SubmitJobRequest) -> Result<v1::JobStatus, Error> {
-        Ok(self.server.submit(request).await?)
+    pub(crate) async fn submit(&self, request: v1::SubmitJobRequest) -> Result<Submitted, Error> {
+        let (status, duplicate) = self.server.submit_or_find(request).await?;
+        Ok(Submitted { job: status.job_id, duplicate })
     }
 
     /// Reads a result.

@@ -6,7 +6,7 @@ use counterpoint_client::JobUpdate;
 use counterpoint_proto::v1;
 
 use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
-use crate::client::Client;
+use crate::client::{Client, Submitted};
 use crate::error::Error;
 use crate::instant::{date_and_time, instant};
 use crate::job_status::{as_json, labels, programs, ran_ms, simulated, state_name};
@@ -100,15 +100,27 @@ pub(crate) async fn rerun(arguments: Rerun) -> Result<u8, Error> {
     let job_id = job_names::whole(&client, &arguments.job).await?;
     let v1::SubmitJobRequest { request_id, labels, priority, deadline_ms, .. } = request(&arguments.request);
     let request = v1::RerunJobRequest { job_id, request_id, labels, priority, deadline_ms };
-    let status = client.jobs().rerun_job(request).await?.into_inner().status;
-    say_id(&status.unwrap_or_default().job_id, arguments.json)?;
+    let v1::RerunJobResponse { status, duplicate } = client.jobs().rerun_job(request).await?.into_inner();
+    say_id(&Submitted { job: status.unwrap_or_default().job_id, duplicate }, arguments.json)?;
     Ok(0)
 }
 
-/// Prints the id of a new job.
-pub(crate) fn say_id(job: &str, json: bool) -> Result<(), Error> {
-    let text = if json { serde_json::json!({ "job": job }).to_string() } else { job.to_owned() };
+/// Prints the id of a new job, and whether an earlier call with the same request id made the job.
+pub(crate) fn say_id(Submitted { job, duplicate }: &Submitted, json: bool) -> Result<(), Error> {
+    say_duplicate(*duplicate);
+    let text = match (json, duplicate) {
+        (true, true) => serde_json::json!({ "job": job, "duplicate": true }).to_string(),
+        (true, false) => serde_json::json!({ "job": job }).to_string(),
+        (false, _) => job.clone(),
+    };
     say::data(format!("{text}\n").as_bytes())
+}
+
+/// Says that a job is not a new one.
+pub(crate) fn say_duplicate(duplicate: bool) {
+    if duplicate {
+        say::status_line("not submitted again: the server has accepted this request id before, for this job");
+    }
 }
 
 /// Lists jobs.

@@ -33,7 +33,7 @@ pub(crate) async fn lint(arguments: Lint) -> Result<u8, Error> {
     let name = machine(&client, &inputs, &pack, arguments.quiet).await?;
     let request = v1::SubmitJobRequest { request_id: counterpoint_client::request_id(), ..Default::default() };
     let submission = Submission { request, lint: true, ..Submission::default() };
-    let job = submit_pack(&client, &inputs, pack, name, submission).await?;
+    let job = submit_pack(&client, &inputs, pack, name, submission).await?.job;
     let status = follow(&client, &job, (quiet, false, false)).await?;
     if let Some(code) = not_run(&status) {
         return Ok(code);

@@ -13,7 +13,7 @@ use crate::severity::WARNING;
 pub(crate) fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
     not_run(status).unwrap_or_else(|| {
         say::status_line(format!("{}  {}", end(status), status.verdict).trim_end());
-        reused::note(status).iter().for_each(say::status_line);
+        notes(status).iter().for_each(say::status_line);
         exit_code(status, strict)
     })
 }
@@ -23,7 +23,7 @@ pub(crate) fn ended_by_name(status: &v1::JobStatus, strict: bool, quiet: bool) -
     if !quiet {
         let line = format!("{}  {}  {}  {}", status.job_id, end(status), programs(status), status.verdict);
         say::status_line(line.trim_end());
-        reused::note(status).iter().for_each(say::status_line);
+        notes(status).iter().for_each(say::status_line);
     }
     not_run(status).unwrap_or_else(|| exit_code(status, strict))
 }
@@ -35,6 +35,17 @@ fn end(status: &v1::JobStatus) -> String {
     let warnings = if succeeded && status.highest_severity >= WARNING { ", with warnings" } else { "" };
     let time = simulated(status).map(|time| format!("  {} {time}", simulated_label(status)));
     format!("{state}{warnings}{}", time.unwrap_or_default())
+}
+
+/// Further lines about the end of a job: the source of its results, and where its errors are.
+pub(crate) fn notes(status: &v1::JobStatus) -> Vec<String> {
+    reused::note(status).into_iter().chain(errors(status).map(|at| format!("errors: {at}"))).collect()
+}
+
+/// The command that shows the errors of a job, if its run failed and its status has no reason.
+pub(crate) fn errors(status: &v1::JobStatus) -> Option<String> {
+    let reason = !status.verdict.is_empty() || !status.error.is_empty() || !status.findings.is_empty();
+    (status.state() == v1::JobState::Failed && !reason).then(|| format!("counterpoint result {} report", status.job_id))
 }
 
 /// Prints why a job could not be run and returns the exit code; `None` if it was run.

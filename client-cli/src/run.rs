@@ -10,7 +10,7 @@ use counterpoint_proto::v1;
 
 use crate::arguments::{ExitCodes, Format, Inputs, RaceCheck, ResultKind, Run, Submit, Timing};
 use crate::attend::{Attendant, Next};
-use crate::client::{Asked, Client};
+use crate::client::{Asked, Client, Submitted};
 use crate::codes::{self, Stage};
 use crate::error::Error;
 use crate::json_summary::with_remedies;
@@ -65,7 +65,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
     let job =
         submit_pack(&client, &arguments.inputs, pack, name, Submission { request, attended, ..Submission::default() })
             .await;
-    let job = job.map_err(at(Stage::Submission))?;
+    let job = job.map_err(at(Stage::Submission))?.job;
     let status = follow(&client, &job, (arguments.quiet, attended, stepped)).await.map_err(at(Stage::Submission))?;
     if let Some(code) = not_run(&status) {
         return Ok((status, Some(code)));
@@ -142,7 +142,7 @@ async fn submit_next(
     arguments: &Submit,
     request: v1::SubmitJobRequest,
     program: &str,
-) -> Result<String, Error> {
+) -> Result<Submitted, Error> {
     let inputs = &arguments.inputs;
     let mut pack = pack::job(inputs)?;
     let name = machine(client, inputs, &pack, false).await?;
@@ -181,10 +181,15 @@ async fn submit_each(mut arguments: Submit) -> Result<u8, Error> {
             v1::SubmitJobRequest { request_id: format!("{id}-{number}"), ..jobs::request(&arguments.request) };
         arguments.inputs.programs = vec![program.clone()];
         match submit_next(&client, &arguments, request, &program).await {
-            Ok(job) if arguments.json => {
-                say::data(format!("{}\n", serde_json::json!({ "job": job, "program": program })).as_bytes())?;
+            Ok(Submitted { job, duplicate }) if arguments.json => {
+                jobs::say_duplicate(duplicate);
+                let mut line = serde_json::json!({ "job": job, "program": program });
+                if let (true, Some(fields)) = (duplicate, line.as_object_mut()) {
+                    fields.insert("duplicate".to_owned(), true.into());
+                }
+                say::data(format!("{line}\n").as_bytes())?;
             }
-            Ok(job) => jobs::say_id(&job, false)?,
+            Ok(submitted) => jobs::say_id(&submitted, false)?,
             Err(error @ Error::Connection(_)) => return Err(error),
             Err(error) => {
                 say::status_line(format!("{program}: not submitted"));
@@ -266,7 +271,7 @@ pub(crate) async fn submit_pack(
     pack: pack::Pack,
     machine: String,
     Submission { request, attended, lint, no_cache }: Submission,
-) -> Result<String, Error> {
+) -> Result<Submitted, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     client.upload(&pack.files.blobs()).await?;
     let file = |(path, blob): (String, Blob)| v1::FileRef { path, digest: blob.digest().to_owned() };
@@ -301,7 +306,7 @@ pub(crate) async fn submit_pack(
         }),
         ..request
     };
-    Ok(client.submit(request).await?.job_id)
+    client.submit(request).await
 }
 
 /// Follows a job to its end; the first interrupt cancels the job, the second ends the command. One that is stepped

@@ -8,8 +8,12 @@ use crate::error::Error;
 use crate::instant::instant;
 use crate::job_status::{as_json, labels, programs, ran_ms, simulated, simulated_label, state_name};
 use crate::jobs::now_ms;
+use crate::outcome::errors;
 use crate::text::time;
 use crate::{job_names, reused, say};
+
+/// The state of a job that was at work when the server died.
+const SUSPECT: &str = "the server died while this job was at work: it runs alone at first, and other jobs wait";
 
 /// Executes the command.
 pub(crate) async fn status(arguments: Status) -> Result<u8, Error> {
@@ -58,12 +62,14 @@ fn shown(job: &v1::JobStatus, (pinned, source): (&str, String), now_ms: i64) -> 
         ("ran", ran_ms(job, now_ms).map(|ms| time(ms.saturating_mul(1_000_000))).unwrap_or_default()),
         ("deadline", utc(job.deadline_ms)),
         ("attempts", count(job.attempt)),
+        ("suspect", if job.suspect { SUSPECT.to_owned() } else { String::new() }),
         ("rerun of", job.rerun_of.clone()),
         ("results of", source),
         (simulated_label(job), simulated(job).unwrap_or_default()),
         ("cause", if cause == "unspecified" { String::new() } else { cause }),
         ("verdict", job.verdict.clone()),
         ("error", job.error.clone()),
+        ("errors", errors(job).unwrap_or_default()),
         ("host", job.host_failure.clone()),
     ];
     let line = |(key, value): &(&str, String)| format!("{key:<13} {value}\n");
@@ -84,6 +90,7 @@ mod tests {
             attempt: 1,
             labels: [("name".to_owned(), "bracket 17".to_owned()), ("shift".to_owned(), "early".to_owned())].into(),
             machine_guess: "T1 M6 (line 2)".to_owned(),
+            suspect: true,
             priority: v1::JobPriority::Normal.into(),
             ..Default::default()
         };
@@ -98,6 +105,7 @@ mod tests {
                 "submitted     1970-01-01 00:00:01 UTC",
                 "started       1970-01-01 00:00:03 UTC",
                 "ran           00:01.500",
+                "suspect       the server died while this job was at work: it runs alone at first, and other jobs wait",
             ]
         );
         assert_eq!(heading(&job), "job 01938f2c  bracket 17 shift=early  submitted 1970-01-01 00:00:01 UTC\n");

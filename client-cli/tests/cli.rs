@@ -897,6 +897,31 @@ fn an_equal_job_on_a_server_has_the_results_of_the_first() {
     }
 }
 
+/// A script that repeats a submit learns that the job is not new, and a failed job says where its errors are.
+#[test]
+fn a_repeated_submit_says_so_and_a_failed_job_names_the_command_that_shows_its_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_runtime, url) = server(folder.path());
+    let call = |arguments: &[&str]| {
+        let output = counterpoint(&[arguments, &["--server", &url]].concat());
+        let text = String::from_utf8_lossy(&output.stdout).trim_end().to_owned();
+        (code(&output), text, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let failing = program(folder.path(), "part.nc", "G21 G90 G0 X10.\nG1 X20. F100.\nG1 X#9 Y[1/0]\nM30\n");
+    let submit = ["submit", &failing, "--machine", "fanuc-mill", "--request-id", "once"];
+    let (status, job, talk) = call(&submit);
+    assert!(status == 0 && !talk.contains("before"), "{talk}");
+    let (status, same, talk) = call(&submit);
+    assert!(status == 0 && same == job && talk.contains("accepted this request id before"), "{same} {talk}");
+    let (_, json, _) = call(&[&submit[..], &["--json"]].concat());
+    assert_eq!(json, serde_json::json!({ "job": job, "duplicate": true }).to_string());
+    let (status, _, talk) = call(&["wait", &job]);
+    let shown = format!("counterpoint result {job} report");
+    assert!(status == 1 && talk.contains("FAILED") && talk.contains(&format!("errors: {shown}\n")), "{talk}");
+    assert!(call(&["status", &job]).1.contains(&format!("errors        {shown}")));
+    assert!(call(&["result", &job, "report"]).1.contains("part.nc:3"));
+}
+
 /// Each command that takes a job takes the beginning of its id, and none acts on an ambiguous one.
 #[test]
 fn jobs_are_named_by_the_beginning_of_their_ids() {

@@ -90,8 +90,19 @@ impl Client {
     /// # Errors
     /// Every refusal but UNAVAILABLE at once, that and lost connections when patience is at its end.
     pub async fn submit(&self, request: v1::SubmitJobRequest) -> Result<v1::JobStatus, Error> {
-        let submit = async || Ok(self.jobs().submit_job(request.clone()).await?.into_inner().status);
-        self.again(submit).await?.ok_or_else(|| Error::Contract("a submit was answered without a status".to_owned()))
+        Ok(self.submit_or_find(request).await?.0)
+    }
+
+    /// Does the same and says whether the job had been accepted before with this request id. That is also so if the
+    /// answer to the first attempt of this call was lost.
+    ///
+    /// # Errors
+    /// As [`Client::submit`].
+    pub async fn submit_or_find(&self, request: v1::SubmitJobRequest) -> Result<(v1::JobStatus, bool), Error> {
+        let submit = async || Ok(self.jobs().submit_job(request.clone()).await?.into_inner());
+        let v1::SubmitJobResponse { status, duplicate } = self.again(submit).await?;
+        let status = status.ok_or_else(|| Error::Contract("a submit was answered without a status".to_owned()))?;
+        Ok((status, duplicate))
     }
 
     /// Uploads the blobs that the server does not have.
