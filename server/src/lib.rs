@@ -42,6 +42,7 @@ mod spans;
 pub mod start_threads;
 mod tenant;
 mod trace;
+mod utc;
 mod webhooks;
 
 pub use ledger::record::Record;
