@@ -88,7 +88,13 @@ fn config(options: &Guard) -> Result<ServerConfig, String> {
     })?;
     let file = OptionFile::new("tls_cert", &options.tls_cert);
     let chain = certificates::parse(&file.read()?).map_err(|error| file.wrong(error))?;
-    let mut config = builder.with_single_cert(chain, key).map_err(|error| file.wrong(error))?;
+    let mut config = builder.with_single_cert(chain, key).map_err(|error| match error {
+        rustls::Error::InconsistentKeys(_) => {
+            let key = options.tls_key.display();
+            file.wrong(format_args!("'{key}' (option tls_key) is not the key of this certificate"))
+        }
+        error => file.wrong(error),
+    })?;
     config.alpn_protocols = vec![b"h2".to_vec()];
     if options.grpc_web {
         config.alpn_protocols.push(b"http/1.1".to_vec());

@@ -184,3 +184,20 @@ async fn encryption_without_identities_stays_on_this_computer() {
     assert_eq!(listed.connections[0].identity, "anonymous");
     stop(server).await;
 }
+
+/// A key and a certificate that were renewed at different times.
+#[tokio::test]
+async fn a_key_of_another_certificate_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let authority = Authority::new();
+    let (certificate, _) = authority.certify("localhost", ExtendedKeyUsagePurpose::ServerAuth);
+    let (_, key) = authority.certify("localhost", ExtendedKeyUsagePurpose::ServerAuth);
+    let (cert_file, key_file) = (folder.path().join("cert.pem"), folder.path().join("key.pem"));
+    std::fs::write(&cert_file, certificate).unwrap();
+    std::fs::write(&key_file, key).unwrap();
+    let mut options = options(&folder.path().join("data"));
+    (options.guard.tls_cert, options.guard.tls_key) = (cert_file, key_file.clone());
+    let error = counterpoint_server::service::build_with(options, Script::default()).await.map(drop).unwrap_err();
+    let expected = format!("'{}' (option tls_key) is not the key of this certificate", key_file.display());
+    assert!(error.to_string().contains(&expected), "{error}");
+}
