@@ -14,6 +14,7 @@ use tokio_rustls::TlsConnector;
 use super::endpoint::Endpoint;
 use crate::certificates::{self, wrong};
 use crate::ledger::record::{Record, State};
+use crate::option_file::OptionFile;
 use crate::options::Webhook;
 use crate::tenant;
 
@@ -106,7 +107,8 @@ impl Target {
 /// Reads a secret: `whsec_` and base64, or any text of one line.
 fn secret(path: &Path) -> Result<hmac::Key, String> {
     let shown = path.display();
-    let text = std::fs::read_to_string(path).map_err(|error| format!("secret_file '{shown}': {error}"))?;
+    let content = OptionFile::new("secret_file", path).read()?;
+    let text = String::from_utf8(content).map_err(|_| format!("secret_file '{shown}' is not text in UTF-8"))?;
     let text = text.trim();
     if text.contains(['\n', '\r']) {
         return Err(format!("secret_file '{shown}' has several lines; expected one"));
