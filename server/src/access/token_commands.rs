@@ -71,7 +71,11 @@ impl TokenCommand {
                 if access.as_os_str().is_empty() {
                     return output::line(format_args!("{token}\n\n{row}"));
                 }
+                let same = edit::rows(access).map_or(0, |rows| rows.iter().filter(|row| row.name == *name).count());
                 edit::add_row(access, &row)?;
+                if same > 0 {
+                    output::remark(format_args!("{}", not_unique(name, same)));
+                }
                 output::remark(format_args!("{RELOAD}"));
                 output::line(format_args!("{token}"))
             }
@@ -88,6 +92,12 @@ impl TokenCommand {
             }
         }
     }
+}
+
+/// A warning: `revoke` cannot take this name.
+fn not_unique(name: &str, same: usize) -> String {
+    let tokens = if same == 1 { "another token has".to_owned() } else { format!("{same} other tokens have") };
+    format!("{tokens} the name '{name}': `token revoke` needs the beginning of the digest, which `token list` shows")
 }
 
 /// The file of identities to use.

@@ -43,6 +43,11 @@ async fn a_token_is_made_listed_and_revoked_and_the_server_follows_when_it_reads
     let (code, listed, _) = token(&access, &["list"]);
     assert_eq!((code, listed.lines().count()), (Some(0), 1));
     assert!(listed.trim().ends_with("  ci  t  read  expires in 9 days"), "{listed}");
+    let (code, _, talk) = token(&access, &["new", "--tenant", "t", "--role", "read", "--name", "ci"]);
+    assert!(code == Some(0) && talk.contains("another token has the name 'ci'"), "{talk}");
+    assert!(!hint.contains("another token"), "{hint}");
+    let other = token(&access, &["list"]).1.lines().nth(1).unwrap().split_whitespace().next().unwrap().to_owned();
+    assert_eq!(token(&access, &["revoke", &other]).0, Some(0));
     let (code, out, refusal) = token(&access, &["revoke", "other"]);
     assert_eq!((code, out.as_str()), (Some(3), ""));
     assert!(refusal.contains("no token has the name 'other'"), "{refusal}");
