@@ -156,9 +156,9 @@ impl Options {
         match given.keys().find(|name| !known.contains_key(*name)) {
             Some(name) => Err(serde::de::Error::custom(format!("there is no option '{name}'"))),
             None => {
-                check_tables::<Tenant>(&given, "tenants")?;
+                check_tables::<Tenant>(&given, &known, "tenants")?;
                 check_names(&given)?;
-                check_tables::<Webhook>(&given, "webhooks")?;
+                check_tables::<Webhook>(&given, &known, "webhooks")?;
                 toml::from_str(text)
             }
         }
@@ -168,6 +168,15 @@ impl Options {
     #[must_use]
     pub fn to_toml(&self) -> String {
         toml::to_string(self).unwrap_or_default()
+    }
+
+    /// Names of the options that differ in another file, except for the tables of tenants.
+    #[must_use]
+    pub fn names_of_other_changes(&self, other: &Self) -> Vec<String> {
+        let table = |options: &Self| toml::Table::try_from(options).unwrap_or_default();
+        let (own, other) = (table(self), table(other));
+        let changed = own.iter().filter(|(name, value)| *name != "tenants" && other.get(*name) != Some(*value));
+        changed.map(|(name, _)| name.clone()).collect()
     }
 
     /// For a server inside one command: loopback, free port, nothing kept.
@@ -193,13 +202,25 @@ impl Options {
     }
 }
 
-/// Reads each table of a kind alone, so that an error names its table.
-fn check_tables<T: serde::de::DeserializeOwned>(given: &toml::Table, kind: &str) -> Result<(), toml::de::Error> {
+/// Reads each table of a kind alone, so that an error names its table, or the option that stands in the table.
+fn check_tables<T: serde::de::DeserializeOwned>(
+    given: &toml::Table,
+    known: &toml::Table,
+    kind: &str,
+) -> Result<(), toml::de::Error> {
+    let above = |option: &str, table: &str| {
+        serde::de::Error::custom(format!("option '{option}' is below the line [{table}]: move it above all tables"))
+    };
     for (name, table) in given.get(kind).and_then(toml::Value::as_table).into_iter().flatten() {
-        table
-            .clone()
-            .try_into::<T>()
-            .map_err(|error| serde::de::Error::custom(format!("[{kind}.{name}]: {}", error.to_string().trim())))?;
+        if !table.is_table() && known.contains_key(name) {
+            return Err(above(name, kind));
+        }
+        let Err(error) = table.clone().try_into::<T>() else { continue };
+        let (error, table) = (error.to_string(), format!("{kind}.{name}"));
+        return Err(match known.keys().find(|option| error.contains(&format!("unknown field `{option}`"))) {
+            Some(option) => above(option, &table),
+            None => serde::de::Error::custom(format!("[{table}]: {}", error.trim())),
+        });
     }
     Ok(())
 }
@@ -237,7 +258,7 @@ pub struct Flags {
     /// Free disk space below which no run starts and no job or upload is accepted, bytes
     #[arg(long, env = "COUNTERPOINT_MIN_FREE_BYTES", value_name = "BYTES")]
     pub min_free_bytes: Option<u64>,
-    /// Format of the log on standard error
+    /// Format of the log on standard error: text or json
     #[arg(long, env = "COUNTERPOINT_LOG_FORMAT", value_enum, value_name = "FORMAT")]
     pub log_format: Option<LogFormat>,
     /// Guard
@@ -298,6 +319,19 @@ mod tests {
     }
 
     #[test]
+    fn changes_that_need_a_restart_are_named() {
+        let of = |text: &str| Options::parse(text).unwrap();
+        let before = of("queue = 3\n[tenants.a]\nqueued = 1\n");
+        let none: [&str; 0] = [];
+        assert_eq!(before.names_of_other_changes(&of("queue = 3\n[tenants.a]\nqueued = 2\n")), none);
+        let hook = "[webhooks.a]\nurl = \"https://a\"\nsecret_file = \"b\"\ntenants = [\"*\"]\n";
+        assert_eq!(
+            before.names_of_other_changes(&of(&format!("access = \"x\"\n{hook}"))),
+            ["access", "queue", "webhooks"]
+        );
+    }
+
+    #[test]
     fn flags_win_and_unknown_keys_are_refused() {
         let flags = Flags { queue: Some(9), ..Flags::default() };
         assert_eq!(flags.over(Options::default()).queue, 9);
@@ -314,8 +348,14 @@ mod tests {
         assert_eq!(Options::parse(&options.to_toml()).unwrap(), options);
         let name = Options::parse("[tenants.A]\nqueued = 9\n").unwrap_err().to_string();
         assert!(name.contains("'A' is not the name of a tenant") && name.contains("a-z 0-9"), "{name}");
-        let unknown = Options::parse("[tenants.cell]\nqueue = 9\n").unwrap_err().to_string();
-        assert!(unknown.contains("queue") && unknown.contains("queued"), "{unknown}");
+        let unknown = Options::parse("[tenants.cell]\nqueues = 9\n").unwrap_err().to_string();
+        assert!(unknown.contains("queues") && unknown.contains("queued"), "{unknown}");
+        for (text, place) in
+            [("[webhooks]\naccess = \"a\"\n", "[webhooks]"), ("[tenants.a]\nqueue = 1\n", "[tenants.a]")]
+        {
+            let error = Options::parse(text).unwrap_err().to_string();
+            assert!(error.contains(place) && error.contains("move it above all tables"), "{error}");
+        }
         let hook =
             Options::parse("queue = 3\n[webhooks.mes]\nurl = \"https://mes.example\"\n").unwrap_err().to_string();
         assert!(hook.contains("[webhooks.mes]") && hook.contains("secret_file"), "{hook}");

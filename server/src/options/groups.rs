@@ -71,7 +71,8 @@ group! {
         /// Maximum memory of jobs that have not ended, submits in progress and answers not yet sent, bytes;
         /// 0 = no limit
         memory_bytes: u64 = 512 << 20, "COUNTERPOINT_MEMORY_BYTES", "BYTES";
-        /// Number of server crashes while a job runs alone after which the job fails (error `poison`)
+        /// Number of server crashes while a job runs alone after which the job fails (error `poison`); beside other jobs,
+        /// three times this number
         attempts: u32 = 3, "COUNTERPOINT_ATTEMPTS", "N";
         /// Maximum macro steps of a channel
         max_macro_steps: u64 = MOST.macro_steps, "COUNTERPOINT_MAX_MACRO_STEPS", "N";

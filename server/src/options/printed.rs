@@ -12,8 +12,15 @@ use super::{Flags, Options};
 const WIDTH: usize = 100;
 /// Comments of the tables, which have no flags.
 const TABLES: [(&str, &str); 2] = [
-    ("tenants", "Different quotas and retention of single tenants, each in a table [tenants.NAME]"),
-    ("webhooks", "Targets that are notified when jobs end, each in a table [webhooks.NAME]"),
+    (
+        "tenants",
+        "Different quotas and retention of single tenants, each in a table [tenants.NAME]. Options must stand above all \
+         tables",
+    ),
+    (
+        "webhooks",
+        "Targets that are notified when jobs end, each in a table [webhooks.NAME]. Options must stand above all tables",
+    ),
 ];
 
 impl Options {
@@ -23,6 +30,10 @@ impl Options {
         let plain = self.to_toml();
         let Ok(mut document) = plain.parse::<DocumentMut>() else { return plain };
         let flags = Flags::augment_args(clap::Command::new("counterpointd"));
+        // A line `[webhooks]` would make options that are appended to the file part of the table.
+        let empty = |name: &&str| document.get(name).and_then(Item::as_table).is_some_and(toml_edit::Table::is_empty);
+        let empty: Vec<&str> = TABLES.map(|(name, _)| name).into_iter().filter(empty).collect();
+        empty.iter().for_each(|name| drop(document.remove(name)));
         for (mut key, item) in document.iter_mut() {
             let Some(text) = help(&flags, &key) else { continue };
             let comment = comment(&text);
@@ -31,7 +42,10 @@ impl Options {
                 _ => key.leaf_decor_mut().set_prefix(comment),
             }
         }
-        document.to_string().trim_start().to_owned()
+        let text = document.to_string().trim_start().to_owned();
+        let absent =
+            empty.iter().filter_map(|name| Some(format!("{}# [{name}.NAME]\n", comment(&help(&flags, name)?))));
+        absent.fold(text, |text, table| text + &table)
     }
 }
 
@@ -85,10 +99,14 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         let options: toml::Table = Options::default().to_toml().parse().unwrap();
         for name in options.keys() {
-            let begins = |line: &&str| line.starts_with(&format!("{name} = ")) || **line == format!("[{name}]");
+            let begins = |line: &&str| line.starts_with(&format!("{name} = ")) || **line == format!("# [{name}.NAME]");
             let at = lines.iter().position(begins).unwrap_or_else(|| panic!("{name}: {text}"));
             assert!(lines[at - 1].starts_with("# "), "{name} has no comment: {text}");
         }
         assert!(lines.iter().all(|line| line.len() <= WIDTH), "{text}");
+        // Options and tables may be appended.
+        let more = format!("{text}[tenants.cell]\nqueued = 9\n");
+        assert_eq!(Options::parse(&more).unwrap().tables.tenants["cell"].queued, Some(9));
+        assert!(text.contains("\n# Format of the log on standard error: text or json\nlog_format"), "{text}");
     }
 }
