@@ -33,8 +33,8 @@ struct Arguments {
 enum Command {
     /// Examine the data folder of a stopped server: list all damage with its remedies
     ///
-    /// Exit code: 0 = no damage remains, 1 = there is damage or rows may be lost, 3 = the folder cannot be examined or
-    /// repaired.
+    /// Exit code: 0 = no damage remains, 1 = there is damage or rows may be lost, 2 = wrong usage, 3 = the folder cannot
+    /// be examined or repaired.
     Doctor {
         /// Data folder
         #[arg(long, value_name = "FOLDER")]
@@ -77,7 +77,10 @@ fn run(command: &Command, options: &Options) -> ExitCode {
     let data = &options.data;
     let done = match command {
         Command::Token(command) => command.run(&options.guard.access),
-        Command::Man { folder } => man::write(Arguments::command(), folder),
+        Command::Man { folder } => man::write(Arguments::command(), folder).and_then(|()| {
+            let folder = folder.display();
+            output::line(format_args!("man pages written to {folder}: `man -l {folder}/counterpointd.8` shows one"))
+        }),
         Command::Doctor { data: own, repair } => {
             keep_private();
             return examine(own.as_deref().unwrap_or(data), *repair);
@@ -222,21 +225,30 @@ async fn tell(manager: Option<&Manager>, handle: &service::Handle) {
     tokio::join!(manager.watch(|| handle.alive()), stopping);
 }
 
-/// Reads the tables of tenants again; the old ones stay when the file has an error.
+/// Reads the tables of tenants again; the old ones stay when the file has an error. `before`: the file at the start.
 #[cfg(unix)]
-fn tenants_again(handle: &service::Handle, config: &Path) {
+fn tenants_again(handle: &service::Handle, config: &Path, before: &Options) {
     match Options::from_file(config) {
         Ok(options) => {
+            let others = before.names_of_other_changes(&options);
             handle.set_tenants(options.tables.tenants);
             tracing::info!("tables of tenants read again");
+            if !others.is_empty() {
+                let options = others.join(", ");
+                tracing::warn!(options, "other options of the file have changed: they take effect at a restart");
+            }
         }
-        Err(error) => tracing::error!(%error, "tables of tenants cannot be read again, the old ones stay"),
+        Err(error) => tracing::error!(
+            %error,
+            "tables of tenants cannot be read again, the old ones stay; a restart with this file would fail"
+        ),
     }
 }
 
 /// Passes signals on to the server. If signal handlers cannot be installed, waits forever.
 #[cfg(unix)]
 async fn signals(handle: service::Handle, config: Option<&Path>) {
+    let before = config.and_then(|config| Options::from_file(config).ok()).unwrap_or_default();
     use tokio::signal::unix::{SignalKind, signal};
     if let (Ok(mut terminate), Ok(mut interrupt), Ok(mut hangup)) =
         (signal(SignalKind::terminate()), signal(SignalKind::interrupt()), signal(SignalKind::hangup()))
@@ -247,7 +259,7 @@ async fn signals(handle: service::Handle, config: Option<&Path>) {
                 _ = interrupt.recv() => handle.stop(),
                 _ = hangup.recv() => {
                     handle.reload();
-                    config.into_iter().for_each(|config| tenants_again(&handle, config));
+                    config.into_iter().for_each(|config| tenants_again(&handle, config, &before));
                 }
             }
         }

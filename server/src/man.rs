@@ -14,6 +14,23 @@ const SECTION: &str = "8";
 const SERVER: &str = r#".SH ENVIRONMENT
 Each option has a variable: COUNTERPOINT_QUEUE for \-\-queue, COUNTERPOINT_TLS_CERT for \-\-tls\-cert.
 Options override variables, and variables override the configuration file. COUNTERPOINT_LOG filters the log.
+.SH EXIT STATUS
+.TP
+.B 0
+The server was stopped.
+.TP
+.B 2
+Wrong usage, or the configuration or a file that it names cannot be used.
+.TP
+.B 3
+The data folder, an address or the system cannot be used.
+.SH SIGNALS
+.TP
+.B HUP
+Read identities, certificates and the tables of tenants again, and reopen the audit log.
+.TP
+.BR TERM ", " INT
+Refuse new jobs, let running jobs end, queue the others again, and exit. A second signal ends the server at once.
 .SH FILES
 .TP
 .I /etc/counterpoint/counterpointd.toml

@@ -248,6 +248,9 @@ async fn tables_of_tenants_are_read_again_on_sighup() {
     server.until("tables of tenants cannot be read again").await;
     assert_eq!(limit(caller.submit("waits-3", "fanuc-mill", ENDLESS).await.unwrap_err()), "2");
     assert_eq!(waiting(&caller).await, 2, "the second worker is not for this tenant");
+    hang_up("queue = 9\n[tenants.default]\nqueued = 2\nrunning = 1\n");
+    let line = server.until("other options of the file have changed: they take effect at a restart").await;
+    assert!(line.contains("WARN") && line.contains("options=\"queue\""), "{line}");
     hang_up("");
     // Without a table of its own it has the quotas for all: the second worker, too.
     server_until(&caller, &first, v1::JobState::Running).await;
