@@ -16,6 +16,14 @@ const CHUNK = 64 * 1024;
 /** Longest time for the first connection, ms. */
 const REACH_MS = 1500;
 
+const USAGE = `usage: node submit_and_watch.js [options] PROGRAM...
+  --server URL      server [default: COUNTERPOINT_SERVER, or http://127.0.0.1:7878]
+  --machine NAME    machine [default: fanuc-mill]
+  --listing FILE    file for the merged listing [default: job.lce]
+  --set NAME=VALUE  value of a field of a dialog; can be repeated`;
+/** Refusals that another request would avoid; others are about the caller or the server. */
+const OF_REQUEST = ["INVALID_ARGUMENT", "NOT_FOUND", "ALREADY_EXISTS", "FAILED_PRECONDITION"];
+
 class Unreachable extends Error {}
 
 /** The target and the credentials for gRPC. HOST:PORT means https if COUNTERPOINT_CA names authorities. */
@@ -193,8 +201,13 @@ async function main() {
       machine: { type: "string", default: "fanuc-mill" },
       listing: { type: "string", default: "job.lce" },
       set: { type: "string", multiple: true, default: [] },
+      help: { type: "boolean", default: false },
     },
   });
+  if (options.help) {
+    console.log(USAGE);
+    return 0;
+  }
   if (programs.length === 0) {
     throw new Error("name at least one program; they are assigned to the channels from left to right");
   }
@@ -221,7 +234,9 @@ main().then(
   (code) => (process.exitCode = code),
   (error) => {
     // The message of the server names the fault and the remedy.
-    console.error(error.details ?? error.message);
-    process.exitCode = error instanceof Unreachable ? 3 : 2;
+    const refusal = grpc.status[error.code];
+    console.error(refusal ? `${refusal}: ${error.details}` : error.message);
+    const ofServer = error instanceof Unreachable || (refusal && !OF_REQUEST.includes(refusal));
+    process.exitCode = ofServer ? 3 : 2;
   },
 );
