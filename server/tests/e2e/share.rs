@@ -485,9 +485,11 @@ async fn urgent_jobs_go_first_and_a_deadline_ends_a_job_that_waits_or_runs() {
     let stopped = submit("stopped", "EVENTS 5\nHANG", Normal, now() + 300).await;
     let status = server.wait(&stopped).await;
     assert_eq!((status.state(), status.cause()), (v1::JobState::Failed, v1::JobCause::Limit));
-    assert!(status.verdict.contains("deadline_ms") || status.error.contains("deadline_ms"), "{status:?}");
+    assert!(status.verdict.contains("its deadline, 20") || status.error.contains("its deadline, 20"), "{status:?}");
     let past = submit("past", "EVENTS 5", Normal, 1).await;
-    assert_eq!(server.wait(&past).await.cause(), v1::JobCause::Limit);
+    let status = server.wait(&past).await;
+    assert_eq!(status.cause(), v1::JobCause::Limit);
+    assert_eq!(status.error, "the job had not ended at its deadline, 1970-01-01 00:00:00 UTC");
     // The ends are in the ledger.
     server.stop().await;
     let server = Server::start(options(folder.path())).await;

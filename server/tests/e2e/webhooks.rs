@@ -114,6 +114,9 @@ async fn a_target_without_its_secret_stops_the_start() {
     std::fs::remove_file(folder.path().join("secret")).unwrap();
     match counterpoint_server::service::build_with(options, Script::default()).await {
         Ok(_) => panic!("the server must not start"),
-        Err(error) => assert!(error.to_string().starts_with("webhooks.mes: secret_file '"), "{error}"),
+        Err(error) => {
+            let text = error.to_string();
+            assert!(text.starts_with("webhooks.mes: '") && text.contains("(option secret_file): "), "{text}");
+        }
     }
 }
