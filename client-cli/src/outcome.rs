@@ -38,7 +38,7 @@ fn end(status: &v1::JobStatus) -> String {
 }
 
 /// Further lines about the end of a job: the source of its results, and where its errors are.
-pub(crate) fn notes(status: &v1::JobStatus) -> Vec<String> {
+fn notes(status: &v1::JobStatus) -> Vec<String> {
     reused::note(status).into_iter().chain(errors(status).map(|at| format!("errors: {at}"))).collect()
 }
 

@@ -117,7 +117,7 @@ mod tests {
             let (state, log_digest) = (state.into(), log_digest.to_owned());
             let job =
                 v1::JobStatus { state, log_digest, ended_ms: 1000, makespan_ns: 2_500_000_000, ..Default::default() };
-            shown(&job, "fanuc-mill", 2000)
+            shown(&job, ("fanuc-mill", String::new()), 2000)
         };
         assert!(shown_of(v1::JobState::Succeeded, "aa").contains("\ncycle time    00:02.500\n"));
         assert!(shown_of(v1::JobState::Failed, "aa").contains("\nstopped after 00:02.500\n"));
