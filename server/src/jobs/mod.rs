@@ -4,6 +4,7 @@
 //! in `live`, and is either in the queue or on a worker thread, until the server drains. A fault of the host never ends
 //! a job: its run is dropped and started again later.
 
+mod attended;
 mod board;
 pub(crate) mod describe;
 mod ends;

@@ -2,7 +2,8 @@
 //!
 //! Invariants:
 //! * A question is answered once, by the first client.
-//! * Answers of an earlier run are given again in the same order, so a job that is run again gives the same log.
+//! * Every outcome of a question is stored before the kernel gets it, also that no client answered in time. An earlier
+//!   run's outcomes are given again in the same order, so a job that is run again gives the same log.
 //! * A question has the same id in every run, so a repeated answer reaches no other question.
 //! * No question outlives the run, and none waits longer than the patience of the server.
 
@@ -11,7 +12,7 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
-use counterpoint_kernel::dialog::operator::{Operator, Question};
+use counterpoint_kernel::dialog::operator::Question;
 use counterpoint_kernel::dialog::{Button, ButtonKind, Dialog, Field, FieldKind};
 use counterpoint_proto::v1;
 use tokio::sync::watch;
@@ -110,16 +111,25 @@ impl Desk {
         lock(&self.inner).open.values().filter(|open| open.answer.is_none()).count()
     }
 
-    /// Takes a question for an answer: its channel and the name of its dialog; `None` if it is closed.
-    pub(crate) fn claim(&self, id: u64) -> Option<(u16, String)> {
+    /// Takes a question for an answer; `None` if it is closed.
+    pub(crate) fn claim(&self, id: u64) -> Option<Claimed> {
         let mut inner = lock(&self.inner);
         let open = inner.open.get_mut(&id).filter(|open| !open.claimed)?;
         open.claimed = true;
         let dialog = open.question.dialog.as_ref().map_or_else(String::new, |dialog| dialog.name.clone());
-        let claimed = (open.channel, dialog);
+        let claimed = Claimed { channel: open.channel, question: number(id), dialog };
         drop(inner);
         self.tell();
         Some(claimed)
+    }
+
+    /// Opens a claimed question again, because its answer could not be stored.
+    pub(crate) fn release(&self, id: u64) {
+        if let Some(open) = lock(&self.inner).open.get_mut(&id) {
+            open.claimed = false;
+        }
+        self.answered.notify_all();
+        self.tell();
     }
 
     /// Gives the answer to a question that was claimed; `None` = it is declined.
@@ -135,17 +145,49 @@ impl Desk {
     }
 }
 
-impl Operator for Desk {
-    fn ask(&self, question: &Question<'_>) -> Option<Answer> {
+/// The number of a question within its channel, from 1.
+fn number(id: u64) -> u64 {
+    id & u64::from(u32::MAX)
+}
+
+/// A question that a client has taken.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Claimed {
+    pub(crate) channel: u16,
+    /// Its number within the channel, from 1.
+    pub(crate) question: u64,
+    /// The name of its dialog.
+    pub(crate) dialog: String,
+}
+
+/// How a question ends for its kernel.
+#[derive(Debug, PartialEq)]
+pub(super) enum Outcome {
+    /// With this answer, which is stored; `None` = declined.
+    Answered(Option<Answer>),
+    /// No client answered in time. Not stored yet; the number is that of the question within its channel.
+    Unanswered(u64),
+    /// The run is to end.
+    Closed,
+}
+
+impl Desk {
+    /// Whether the run is to end.
+    pub(super) fn is_closed(&self) -> bool {
+        lock(&self.inner).closed
+    }
+
+    /// Puts a question and waits for its outcome.
+    pub(super) fn put(&self, question: &Question<'_>) -> Outcome {
         let mut inner = lock(&self.inner);
         let id = inner.next_id(question.channel);
         let recorded = inner.recorded.get_mut(&question.channel).and_then(VecDeque::pop_front);
         if let Some(answer) = recorded {
-            return answer;
+            return Outcome::Answered(answer);
         }
         // Do not publish questions after the desk has closed.
         if inner.closed {
-            return None;
+            return Outcome::Closed;
         }
         let open = Open { channel: question.channel, question: wire(id, question), claimed: false, answer: None };
         inner.open.insert(id, open);
@@ -158,11 +200,16 @@ impl Operator for Desk {
             let (answer, claimed) = open.map_or((None, false), |open| (open.answer.take(), open.claimed));
             let left = until.saturating_duration_since(Instant::now());
             // An answer that is being made durable is waited for: the record and the run must agree.
-            if answer.is_some() || inner.closed || left.is_zero() && !claimed {
+            let outcome = match answer {
+                Some(answer) => Some(Outcome::Answered(answer)),
+                None if inner.closed => Some(Outcome::Closed),
+                None => (left.is_zero() && !claimed).then(|| Outcome::Unanswered(number(id))),
+            };
+            if let Some(outcome) = outcome {
                 inner.open.remove(&id);
                 drop(inner);
                 self.tell();
-                return answer.flatten();
+                return outcome;
             }
             let wait = if claimed { Duration::from_secs(1) } else { left };
             inner = self.answered.wait_timeout(inner, wait).unwrap_or_else(PoisonError::into_inner).0;
@@ -248,9 +295,13 @@ mod tests {
         Dialog { name: "D".into(), title: "D".into(), fields: Vec::new(), buttons: Vec::new() }
     }
 
-    fn ask(desk: &Desk, channel: u16) -> Option<Answer> {
+    fn ask(desk: &Desk, channel: u16) -> Outcome {
         let dialog = plain();
-        desk.ask(&Question { channel, file: "p.nc", line: 3, dialog: &dialog, values: &[], problem: None })
+        desk.put(&Question { channel, file: "p.nc", line: 3, dialog: &dialog, values: &[], problem: None })
+    }
+
+    fn claimed(channel: u16, question: u64) -> Option<Claimed> {
+        Some(Claimed { channel, question, dialog: "D".into() })
     }
 
     fn answer(dialog: &str) -> Answer {
@@ -273,12 +324,12 @@ mod tests {
         let id = question.id;
         assert_eq!((question.channel, question.line, id), (2, 3, (2 << 32) + 1));
         assert_eq!(desk.claim(1), None, "that is a question of channel 1");
-        assert_eq!(desk.claim(id), Some((2, "D".into())));
+        assert_eq!(desk.claim(id), claimed(2, 1));
         assert_eq!(desk.claim(id), None, "another client has taken it");
         assert_eq!(desk.asking(), 1);
         assert!(desk.questions().is_empty());
         desk.answer(id, Some(answer("D")));
-        assert_eq!(kernel.join().unwrap(), Some(answer("D")));
+        assert_eq!(kernel.join().unwrap(), Outcome::Answered(Some(answer("D"))));
         assert_eq!(desk.asking(), 0);
         assert_eq!(desk.claim(id), None);
         assert_eq!(*changes.borrow(), 3, "asked, claimed, closed");
@@ -288,9 +339,9 @@ mod tests {
     fn what_was_answered_before_is_answered_again() {
         let desk = Desk::new();
         desk.record(vec![(1, Some(answer("A"))), (2, None), (1, Some(answer("B")))]);
-        assert_eq!(ask(&desk, 1), Some(answer("A")));
-        assert_eq!(ask(&desk, 2), None);
-        assert_eq!(ask(&desk, 1), Some(answer("B")));
+        assert_eq!(ask(&desk, 1), Outcome::Answered(Some(answer("A"))));
+        assert_eq!(ask(&desk, 2), Outcome::Answered(None));
+        assert_eq!(ask(&desk, 1), Outcome::Answered(Some(answer("B"))));
         assert!(desk.questions().is_empty());
     }
 
@@ -311,20 +362,40 @@ mod tests {
             // The answer to the last question of the run before, once more.
             assert_eq!(desk.claim(earlier as u64), None);
             let next = earlier as u64 + 1;
-            assert_eq!(desk.claim(next), Some((1, "D".into())));
+            assert_eq!(desk.claim(next), claimed(1, next));
             desk.answer(next, Some(answer("D")));
-            assert_eq!(kernel.join().unwrap(), vec![Some(answer("D")); earlier + 1]);
+            let all = (0..=earlier).map(|_| Outcome::Answered(Some(answer("D"))));
+            assert_eq!(kernel.join().unwrap(), all.collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn a_question_whose_answer_was_not_stored_is_open_again() {
+        let desk = Arc::new(Desk::new());
+        desk.set_patience(Duration::from_secs(60));
+        let kernel = std::thread::spawn({
+            let desk = desk.clone();
+            move || ask(&desk, 1)
+        });
+        while desk.questions().is_empty() {
+            std::thread::yield_now();
+        }
+        assert_eq!(desk.claim(1), claimed(1, 1));
+        desk.release(1);
+        assert_eq!(desk.questions().len(), 1);
+        assert_eq!(desk.claim(1), claimed(1, 1));
+        desk.answer(1, None);
+        assert_eq!(kernel.join().unwrap(), Outcome::Answered(None));
     }
 
     #[test]
     fn nobody_waits_for_ever() {
         let desk = Desk::new();
-        assert_eq!(ask(&desk, 1), None, "no patience at all");
+        assert_eq!(ask(&desk, 1), Outcome::Unanswered(1), "no patience at all");
         desk.set_patience(Duration::from_secs(3600));
         desk.close();
         let changes = desk.follow();
-        assert_eq!(ask(&desk, 1), None, "the run is over");
+        assert_eq!(ask(&desk, 1), Outcome::Closed, "the run is over");
         assert!(!changes.has_changed().unwrap(), "so nobody sees a question");
     }
 }

@@ -22,6 +22,7 @@ use counterpoint_kernel::options::Options;
 use prost::Message as _;
 
 use super::Core;
+use super::attended::Attended;
 use super::describe::description;
 use super::ends::End;
 use super::files::Sandbox;
@@ -239,7 +240,8 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     if record.attended {
         live.desk().record(answers);
         live.desk().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
-        control = control.with_operator(live.desk().clone());
+        let (ledger, desk, job) = (core.ledger.clone(), live.desk().clone(), live.id.clone());
+        control = control.with_operator(Arc::new(Attended { ledger, desk, job }));
     }
     if record.stepped {
         live.stepping().set_patience(Duration::from_secs(core.options.system.operator_wait_s));

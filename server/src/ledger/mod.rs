@@ -13,14 +13,13 @@ use std::fmt::Debug;
 use std::time::Duration;
 
 use bytes::Bytes;
-use counterpoint_kernel::dialog::answers::Answer;
 use tokio::sync::watch;
 use uuid::Uuid;
 
 use crate::machines::Definition;
 use crate::reason::Refusal;
 use prefix::IdPrefix;
-use record::{Record, State, Work};
+use record::{Record, Settled, State, Work};
 
 /// Asked before something is stored, while no blob can be collected.
 pub(crate) type Check<T> = Box<dyn FnOnce(&T) -> Result<(), Refusal> + Send>;
@@ -206,8 +205,11 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Stores that jobs are no longer suspects, unless they have ended, from a thread that may block.
     fn clear_blocking(&self, ids: Vec<String>) -> Result<(), Refusal>;
 
-    /// Stores the operator's answer, unless the job has ended.
-    async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal>;
+    /// Stores the outcome of a question to the operator, unless the job has ended.
+    async fn answered(&self, id: String, settled: Settled) -> Result<(), Refusal>;
+
+    /// Same from a thread that may block.
+    fn answered_blocking(&self, id: String, settled: Settled) -> Result<(), Refusal>;
 
     /// Stores the end of a job, with its log if that is small, from a thread that may block until others have been
     /// taken; `then` is called when the end is durable or could not be made so, and must not block.

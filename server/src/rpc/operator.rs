@@ -22,6 +22,8 @@ use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::status;
 use crate::jobs::live::Live;
+use crate::jobs::operator::Claimed;
+use crate::ledger::record::Settled;
 use crate::reason::Refusal;
 
 type Heard = Result<v1::AttendResponse, Status>;
@@ -124,15 +126,13 @@ fn attend(
     Ok(ReceiverStream::new(receive))
 }
 
-/// Answers a question, or declines it without an answer; false if it is closed.
+/// Answers a question, or declines it without an answer; false if it is closed. If the answer cannot be stored, the
+/// question stays open.
 async fn settle(core: &Core, live: &Live, id: u64, answer: Option<Answer>) -> Result<bool, Refusal> {
-    let Some((channel, dialog)) = live.desk().claim(id) else { return Ok(false) };
+    let Some(Claimed { channel, question, dialog }) = live.desk().claim(id) else { return Ok(false) };
     let answer = answer.map(|answer| Answer { dialog, ..answer });
-    let kept = core.ledger.answered(live.id.clone(), channel, answer.clone()).await;
-    if let Err(refusal) = kept {
-        live.desk().answer(id, None);
-        return Err(refusal);
-    }
+    let settled = Settled { channel, question, answer: answer.clone() };
+    core.ledger.answered(live.id.clone(), settled).await.inspect_err(|_| live.desk().release(id))?;
     live.desk().answer(id, answer);
     Ok(true)
 }

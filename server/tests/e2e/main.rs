@@ -30,6 +30,7 @@ mod cut;
 mod damage;
 #[cfg(target_os = "linux")]
 mod descriptors;
+mod dialogs;
 mod doctor;
 mod door;
 #[cfg(target_os = "linux")]

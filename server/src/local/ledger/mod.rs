@@ -29,14 +29,13 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::JoinHandle;
 
 use bytes::Bytes;
-use counterpoint_kernel::dialog::answers::Answer;
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, TableHandle as _};
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::{NoContext, Timestamp, Uuid};
 
 use super::contained::contained;
 use super::store::Store;
-use crate::ledger::record::{Record, Work};
+use crate::ledger::record::{Record, Settled, Work};
 use crate::ledger::{Accepted, Check, Compacted, Ended, Keep, Ledger, NewJob, Page, Query, Submitted, Then, Usage};
 use crate::log::damage::{damage, of_job};
 use crate::machines::Definition;
@@ -287,15 +286,12 @@ impl Ledger for LocalLedger {
         self.write_blocking(move |tables| clear(tables, &ids))
     }
 
-    async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal> {
-        self.write(move |tables| match (get(tables, &id)?, works::get(tables, &id)?) {
-            (Some(record), Some(mut work)) if !record.state.ended() => {
-                work.answers.push((channel, answer));
-                works::put(tables, &id, &work)
-            }
-            _ => Ok(()),
-        })
-        .await
+    async fn answered(&self, id: String, settled: Settled) -> Result<(), Refusal> {
+        self.write(move |tables| works::settle(tables, &id, settled)).await
+    }
+
+    fn answered_blocking(&self, id: String, settled: Settled) -> Result<(), Refusal> {
+        self.write_blocking(move |tables| works::settle(tables, &id, settled))
     }
 
     fn update_blocking(&self, records: Vec<Record>) -> Result<(), Refusal> {

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use super::checkup::Checkup;
 use super::*;
 use crate::ledger::record::tests::{record, work};
-use crate::ledger::record::{CONTENT, State};
+use crate::ledger::record::{CONTENT, Settled, State};
 use crate::ledger::{NewJob, day};
 use crate::local::disk::{Disk, Faults, Step};
 use crate::machines::Pinned;
@@ -40,7 +40,8 @@ impl Faults for Power {
 enum Operation {
     Submit(Box<Record>, Box<Work>),
     Cancel(String),
-    Answer(String),
+    Pause(String, bool),
+    Answer(String, Settled),
     End(Box<Record>, Option<Bytes>),
     Remove(Box<Record>),
     RemoveMany(Vec<Ended>),
@@ -88,9 +89,13 @@ impl Twin {
             Operation::Cancel(id) => {
                 self.jobs.get_mut(id).filter(|job| !job.state.ended()).into_iter().for_each(|job| job.cancel = true);
             }
-            Operation::Answer(id) => {
+            Operation::Pause(id, paused) => {
+                let open = self.jobs.get_mut(id).filter(|job| !job.state.ended());
+                open.into_iter().for_each(|job| job.paused = *paused);
+            }
+            Operation::Answer(id, settled) => {
                 if self.jobs.get(id).is_some_and(|job| !job.state.ended()) {
-                    self.works.get_mut(id).into_iter().for_each(|work| work.answers.push((1, None)));
+                    self.works.get_mut(id).into_iter().for_each(|work| work.answers.push((1, settled.answer.clone())));
                 }
             }
             Operation::End(record, log) => {
@@ -181,10 +186,11 @@ fn operation(random: &mut Random, twin: &Twin, step: usize) -> Operation {
         4 => {
             let all: Vec<_> = twin.jobs.keys().cloned().collect();
             if let Some(id) = random.one(&all) {
-                return if random.below(2) == 0 {
-                    Operation::Cancel(id.clone())
-                } else {
-                    Operation::Answer(id.clone())
+                let question = twin.works.get(id).map_or(1, |work| work.answers.len() as u64 + 1);
+                return match random.below(3) {
+                    0 => Operation::Cancel(id.clone()),
+                    1 => Operation::Pause(id.clone(), random.below(2) == 0),
+                    _ => Operation::Answer(id.clone(), Settled { channel: 1, question, answer: None }),
                 };
             }
         }
@@ -234,7 +240,8 @@ impl Bench {
                 }));
             }
             Operation::Cancel(id) => run.block_on(ledger.flag_cancel(id))?,
-            Operation::Answer(id) => run.block_on(ledger.answered(id, 1, None))?,
+            Operation::Pause(id, paused) => run.block_on(ledger.flag_paused(id, paused))?,
+            Operation::Answer(id, settled) => run.block_on(ledger.answered(id, settled))?,
             Operation::End(record, log) => {
                 let (answer, answered) = std::sync::mpsc::channel();
                 ledger.end(*record, log, Box::new(move |kept| answer.send(kept).unwrap()));

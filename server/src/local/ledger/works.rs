@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use redb::{ReadTransaction, ReadableTable, TableDefinition, TableHandle as _, WriteTransaction};
 
 use super::tables::Tables;
-use super::{JOB, parse, readable, seal, storage};
-use crate::ledger::record::{Record, Work};
+use super::{JOB, parse, readable, rows, seal, storage};
+use crate::ledger::record::{Record, Settled, Work};
 use crate::reason::Refusal;
 
 /// Identity → work.
@@ -26,6 +26,17 @@ pub(super) fn get(tables: &Tables<'_>, id: &str) -> Result<Option<Work>, Refusal
     let table = tables.work()?;
     let row = table.get(id).map_err(storage)?;
     row.map(|row| parse(WORK, id, row.value())).transpose()
+}
+
+/// Adds the outcome of a question to the work of a job, unless the job has ended.
+pub(super) fn settle(tables: &Tables<'_>, id: &str, settled: Settled) -> Result<(), Refusal> {
+    match (rows::get(tables, id)?, get(tables, id)?) {
+        (Some(record), Some(mut work)) if !record.state.ended() => {
+            work.settle(settled);
+            put(tables, id, &work)
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The work of a job as a reader sees it.

@@ -1,0 +1,51 @@
+//! The operator of a run: the desk of its job, and the ledger that keeps the outcomes of its questions.
+//!
+//! *Invariant:* the kernel continues after a question only when the outcome is stored, or when the run is to end. So a
+//! repeated run gets the same outcomes.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use counterpoint_kernel::dialog::answers::Answer;
+use counterpoint_kernel::dialog::operator::{Operator, Question};
+
+use super::operator::{Desk, Outcome};
+use crate::ledger::Ledger;
+use crate::ledger::record::Settled;
+
+/// Time between two attempts to store that a question was not answered.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// The operator of the run of a job.
+pub(super) struct Attended {
+    pub(super) ledger: Arc<dyn Ledger>,
+    pub(super) desk: Arc<Desk>,
+    /// Identity of the job.
+    pub(super) job: String,
+}
+
+impl Operator for Attended {
+    fn ask(&self, question: &Question<'_>) -> Option<Answer> {
+        match self.desk.put(question) {
+            Outcome::Answered(answer) => answer,
+            Outcome::Unanswered(number) => {
+                self.store(&Settled { channel: question.channel, question: number, answer: None });
+                None
+            }
+            Outcome::Closed => None,
+        }
+    }
+}
+
+impl Attended {
+    /// Stores an outcome. While the ledger cannot be written, the kernel waits, unless the run is to end.
+    fn store(&self, settled: &Settled) {
+        while let Err(error) = self.ledger.answered_blocking(self.job.clone(), settled.clone()) {
+            if self.desk.is_closed() {
+                return;
+            }
+            tracing::debug!(%error, "the outcome of a question is stored later");
+            std::thread::sleep(PAUSE);
+        }
+    }
+}
