@@ -1,9 +1,10 @@
-//! Dialogs over time: questions that no client answers, and questions of repeated runs.
+//! Dialogs over time: questions that no client answers, questions of repeated runs, and events before a question.
 
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use counterpoint_proto::v1;
+use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_proto::v1::watch_questions_response::Content as Heard;
 use counterpoint_server::options::{Options, System};
 use tonic::Streaming;
@@ -88,4 +89,92 @@ async fn a_repeated_run_asks_no_question_again_that_nobody_answered_in_time() {
         assert_eq!(said(&server, &job).await, ["One: -", "Two: No", "Three: Yes"], "paused: {paused}");
         server.stop().await;
     }
+}
+
+/// A server on the real emulator, with a machine whose tool change asks the operator after a message.
+async fn asking_machine(options: Options) -> Server {
+    const MACHINE: &str = "extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n[macros]\ntool = \"t.mac\"\n\
+        [[dialogs]]\nname = \"ask\"\ntitle = \"Ask\"\n[[dialogs.buttons]]\nlabel = \"OK\"\ntype = \"ok\"\n";
+    const TOOL: &str = "OUTPUT\nIF/$P1.EQ.2\nPPRINT/'before !(*)',$P3\nBUTTON=$FDIALOG('ask')\n\
+        PPRINT/'after !(*) !(*)',$P3,BUTTON\nENDOF/IF\n";
+    let service = counterpoint_server::service::build(options).await.unwrap();
+    let handle = service.handle();
+    let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
+    let connection = tonic::transport::Channel::from_shared(handle.url()).unwrap().connect().await.unwrap();
+    let server = Server { handle, task, script: Script::default(), connection };
+    let mut files = Vec::new();
+    for (path, text) in [("own/machine.toml", MACHINE), ("own/t.mac", TOOL)] {
+        files.push(v1::MachineFile { path: path.into(), digest: server.upload(text.as_bytes()).await });
+    }
+    server.machines().put_machine(v1::PutMachineRequest { name: "own".into(), files }).await.unwrap();
+    server
+}
+
+/// Reads a watch until it has delivered a message of the program.
+async fn until_message(watch: &mut Streaming<v1::WatchJobResponse>, text: &str) {
+    let told = |event: &v1::Event| matches!(&event.kind, Some(v1::event::Kind::Message(m)) if m.text.contains(text));
+    let read = async {
+        loop {
+            let content = watch.message().await.unwrap().expect("the job waits").content.unwrap();
+            if matches!(&content, Content::Batch(batch) if batch.events.iter().any(told)) {
+                return;
+            }
+        }
+    };
+    tokio::time::timeout(PATIENCE, read).await.unwrap_or_else(|_| panic!("no event with '{text}'"));
+}
+
+/// The events of a job up to a question are delivered while the question is open.
+#[tokio::test(flavor = "multi_thread")]
+async fn events_before_a_question_are_delivered_while_the_question_is_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = asking_machine(options(folder.path())).await;
+    let program = format!("O1\nG90 G94 F100 S500 M3\n{}T3 M6\nG1 X1.\nT4 M6\nM30\n", "G1 X1.\nX0.\n".repeat(300));
+    let job = attended(&server, "own", &program).await;
+    let mut watch = server.watch(&job, 0, v1::WatchLevel::Everything).await;
+    let mut heard = questions(&server, &job).await;
+    for (tool, id) in [("3", 1), ("4", 2)] {
+        assert_eq!(question(&mut heard).await.0, id);
+        until_message(&mut watch, &format!("before {tool}")).await;
+        answer(&server, &job, id, "OK").await;
+    }
+    assert_eq!(said(&server, &job).await, ["before 3", "after 3 OK", "before 4", "after 4 OK"]);
+    // Delivering the events early changes none of them.
+    let mut request = server.request("prepared", &program).await;
+    let answer = v1::DialogAnswer { dialog: "ask".into(), button: "OK".into(), ..Default::default() };
+    request.options = Some(v1::JobOptions { answers: vec![answer], ..Default::default() });
+    request.machine = "own".into();
+    let prepared = server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
+    assert_eq!(server.events(&prepared, 0).await, server.events(&job, 0).await);
+    server.stop().await;
+}
+
+/// A pause closes an open question. This is not a dialog without an answer, so the log of the run tells nothing of it,
+/// and the repeated run asks again.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_question_that_a_pause_closes_leaves_no_event() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = asking_machine(options(folder.path())).await;
+    let job = attended(&server, "own", "O1\nG90 G94 F100 S500 M3\nT3 M6\nG1 X1.\nM30\n").await;
+    let mut watch = server.watch(&job, 0, v1::WatchLevel::Everything).await;
+    let mut heard = questions(&server, &job).await;
+    for _ in 0..2 {
+        assert_eq!(question(&mut heard).await, (1, "ask".into()));
+        server.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
+        server.until(&job, v1::JobState::Queued).await;
+        server.jobs().resume_job(v1::ResumeJobRequest { job_id: job.clone() }).await.unwrap();
+    }
+    assert_eq!(question(&mut heard).await, (1, "ask".into()));
+    answer(&server, &job, 1, "OK").await;
+    let mut seen = Vec::new();
+    while let Some(message) = watch.message().await.unwrap() {
+        match message.content.unwrap() {
+            Content::Batch(batch) => seen.extend(batch.events),
+            Content::Ended(_) => break,
+            _ => {}
+        }
+    }
+    assert_eq!(seen, server.events(&job, 0).await, "the watch has the events of the job");
+    assert_eq!(said(&server, &job).await, ["before 3", "after 3 OK"]);
+    server.stop().await;
 }

@@ -148,6 +148,13 @@ impl Kernel<'_> {
         }
     }
 
+    /// Lets events out that wait for moves although the path stops here in any case.
+    pub(crate) fn let_out_stopped(&mut self) {
+        if self.channel.pace.as_ref().is_some_and(|pace| pace.stops || pace.is_settled()) {
+            self.come_to_rest();
+        }
+    }
+
     #[cold]
     #[inline(never)]
     fn rest_now(&mut self) {

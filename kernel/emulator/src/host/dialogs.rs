@@ -69,6 +69,9 @@ impl Kernel<'_> {
     /// Shows a dialog; returns the label of its button.
     pub(crate) fn show_dialog(&mut self, state: &mut State, name: &str) -> Outcome<Value> {
         let (machine, options) = (self.channel.env.machine, self.channel.env.options);
+        if self.ports.control.operator().is_some() {
+            self.pass_events_on();
+        }
         let runtime = &mut *self.macros;
         let key = dialog::find(&machine.dialogs, name).map_or_else(String::new, |dialog| dialog.name.clone());
         let shown = runtime.outside.asked.dialogs.entry(key).or_default();
@@ -106,6 +109,8 @@ impl Kernel<'_> {
             }
             _ => dialog::show(&machine.dialogs, name, answer, &mut current),
         };
+        // A question that the end of the run has closed is not a dialog without an answer.
+        self.check_running(state)?;
         state.spend(asked)?;
         let shown = shown.map_err(|failure: Failure| Fault::new(Number::NO_DIALOG, failure.to_string()))?;
         for (variable, value) in shown.values {
@@ -116,6 +121,14 @@ impl Kernel<'_> {
             self.set_bound(state, at, value)?;
         }
         Ok(Value::text(shown.button))
+    }
+
+    /// Lets watchers have the events before a question while the job waits for the operator. The log stays the same:
+    /// events of moves whose time depends on later moves stay with the kernel.
+    fn pass_events_on(&mut self) {
+        self.let_out_stopped();
+        self.flush();
+        self.ports.coordinator.pass_on();
     }
 
     fn bound(&self, variable: &str) -> Option<Bound> {

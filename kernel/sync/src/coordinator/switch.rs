@@ -24,6 +24,8 @@ pub enum Pause {
     Chunk,
     /// An operator steps through the job and chooses the next kernel.
     Step,
+    /// An operator is about to be asked, which may take long: the events so far go into the log before.
+    Question,
 }
 
 /// How a kernel waits.
@@ -121,6 +123,13 @@ impl<'a> Port<'a> {
                 yielder.suspend(Pause::Step);
                 true
             }
+        }
+    }
+
+    /// Lets the merger on this thread pass the events on that the kernel has sent.
+    pub fn pass_on(self) {
+        if let Switch::Coroutine(yielder) = self.switch {
+            yielder.suspend(Pause::Question);
         }
     }
 
