@@ -292,6 +292,11 @@ impl Live {
         self.desk().close();
     }
 
+    /// Whether the run is to end although its job goes on: a pause or the end of the server has stopped it.
+    pub(super) fn will_be_repeated(&self) -> bool {
+        self.stop().asked() && !self.cancelled() && self.reached().is_none()
+    }
+
     /// Hands the log over for the time of the run.
     pub(crate) fn begin_log(&self, writer: Writer) {
         *lock(&self.writer) = Some(writer);

@@ -24,13 +24,25 @@ pub(crate) struct JobSink<'a> {
     pub(crate) files: WrittenFiles,
     /// The files have more bytes than the job may keep.
     pub(crate) dropped: bool,
+    /// Events came after a request that ends the run alone. They are not in the log: the repeated run has others there.
+    pub(crate) cut: bool,
     pub(crate) error: Option<io::Error>,
 }
 
 impl<'a> JobSink<'a> {
     pub(crate) fn new(live: &'a Arc<Live>, core: &'a Core, builder: ResultsBuilder) -> Self {
         let (flusher, events, logged) = (&core.flusher, &core.metrics.jobs.events, core.options.embedded.log);
-        Self { live, flusher, events, logged, builder, files: WrittenFiles::new(), dropped: false, error: None }
+        Self {
+            live,
+            flusher,
+            events,
+            logged,
+            builder,
+            files: WrittenFiles::new(),
+            dropped: false,
+            cut: false,
+            error: None,
+        }
     }
 }
 
@@ -52,6 +64,10 @@ impl Sink for JobSink<'_> {
     }
 
     fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool {
+        self.cut |= self.live.will_be_repeated();
+        if self.cut {
+            return true;
+        }
         match self.live.append(first_seq, batch) {
             Ok(true) => self.flusher.later(self.live),
             Ok(false) => {}

@@ -262,7 +262,7 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     let results = if core.options.embedded.toolpath { results } else { results.without_toolpath() };
     let mut sink = JobSink::new(live, core, results);
     let outcome = prepared.run(&files, &control, &mut sink);
-    let JobSink { builder, files: written, dropped, error, .. } = sink;
+    let JobSink { builder, files: written, dropped, cut, error, .. } = sink;
     let writer = live.end_log();
     let blocks = control.progress().iter().map(|progress| progress.blocks.load(Ordering::Relaxed)).sum();
     core.metrics.jobs.blocks.inc_by(blocks);
@@ -271,7 +271,7 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     }
     files.trouble()?;
     let limit = live.reached().filter(|_| outcome.cancelled || dropped).filter(|_| !live.cancelled());
-    if outcome.cancelled && limit.is_none() && !live.cancelled() {
+    if cut || outcome.cancelled && limit.is_none() && !live.cancelled() {
         return Ok(interrupted(core));
     }
     let (reached, limit) = match limit {
