@@ -102,7 +102,8 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs on workers whose runs are to be suspended.
     fn suspended(&self) -> BTreeSet<String>;
 
-    /// Jobs on workers whose runs use no processor time: they are suspended, or stood at the last look.
+    /// Busy jobs whose runs use no processor time: they are suspended, stood at the last look, or are over, and only
+    /// their end is being stored.
     fn idle(&self) -> BTreeSet<String>;
 
     /// Number of jobs on workers.

@@ -34,7 +34,7 @@ pub(super) struct Waiting {
     reserved: HashMap<String, usize>,
     /// Jobs on workers that let others have their core.
     suspended: BTreeMap<String, Arc<Live>>,
-    /// Jobs on workers whose marks say that they use no processor time.
+    /// Busy jobs whose marks say that they use no processor time.
     pub(super) idle: BTreeSet<String>,
     /// Cleared suspects that the ledger still holds as suspects.
     pub(super) cleared: Vec<String>,

@@ -48,14 +48,14 @@ impl Core {
     }
 
     /// Updates the marks of runs that have started or stopped using processor time: only a working run can crash the
-    /// server.
+    /// server, and one that is over and waits for its storage does not work.
     pub(super) fn mark_working(&self, queue: &mut Waiting) {
         let idle = queue.jobs.idle();
         if idle == queue.idle {
             return;
         }
-        let running = queue.jobs.running();
-        let changed = idle.symmetric_difference(&queue.idle).filter(|id| running.contains(id));
+        let busy = queue.jobs.busy();
+        let changed = idle.symmetric_difference(&queue.idle).filter(|id| busy.contains(*id));
         for live in changed.filter_map(|id| self.live(id)) {
             let attempt = live.peek(|record| record.runs.attempt);
             let mark = Mark { id: live.id.clone(), attempt, works: !idle.contains(&live.id) };

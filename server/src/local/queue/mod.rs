@@ -224,7 +224,8 @@ impl Queue for LocalQueue {
     }
 
     fn idle(&self) -> BTreeSet<String> {
-        self.running.iter().filter(|run| !run.works()).map(|run| run.id.clone()).collect()
+        let idle = self.running.iter().filter(|run| !run.works());
+        idle.map(|run| run.id.clone()).chain(self.storing.iter().cloned()).collect()
     }
 
     fn workers(&self) -> usize {

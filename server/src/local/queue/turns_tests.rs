@@ -356,6 +356,23 @@ fn endless_suspects_hold_others_only_while_each_of_them_runs_alone() {
     assert!(world.queue.idle().is_empty());
 }
 
+/// The mark of such a job tells the next server that the run has not caused a crash.
+#[test]
+fn a_job_whose_end_is_being_stored_is_idle() {
+    let mut world = World::new(1);
+    world.submit("a1", ENDLESS);
+    world.submit("a2", ENDLESS);
+    world.pass(ms(10));
+    assert!(world.queue.idle().is_empty());
+    let (first, now) = (world.queue.running().remove(0), world.now);
+    world.queue.store(&first, now);
+    assert_eq!(world.queue.idle(), BTreeSet::from([first.clone()]));
+    world.pass(TICK);
+    assert_eq!((world.queue.running().len(), world.queue.busy().len()), (1, 2), "its worker has the next job");
+    world.queue.free(&first, now);
+    assert!(world.queue.idle().is_empty());
+}
+
 #[test]
 fn a_suspect_that_stands_holds_nobody() {
     let mut world = World::new(1);
