@@ -190,13 +190,14 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Accepts a job and gives it its identity, or finds the one accepted under the same request id.
     async fn submit(&self, job: Box<NewJob>, check: Check<Work>, accepted: Accepted) -> Result<Submitted, Refusal>;
 
-    /// Stores a new state of a job.
+    /// Stores a new state of a job. Cancels and pauses that were stored before stay, here and in the next two calls that
+    /// store records; only an end ends a pause.
     async fn update(&self, record: Record) -> Result<(), Refusal>;
 
     /// Stores new states of jobs, either all or none, from a thread that may block.
     fn update_blocking(&self, records: Vec<Record>) -> Result<(), Refusal>;
 
-    /// Notes that a job is to be cancelled, unless it has ended.
+    /// Notes that the cancel of a job was accepted.
     async fn flag_cancel(&self, id: String) -> Result<(), Refusal>;
 
     /// Notes whether a job is held back, unless it has ended.

@@ -43,7 +43,7 @@ use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
 pub(crate) use lost::{damaged_by, lost, lost_for_good, not_lost, unopened_by};
-use rows::{clear, get, next_job, parse, put, readable, same, take_out};
+use rows::{clear, flag_cancel, get, next_job, parse, put, readable, renew, same, take_out};
 use tables::Tables;
 use writer::{Operation, Place, Shared};
 
@@ -263,15 +263,11 @@ impl Ledger for LocalLedger {
     }
 
     async fn update(&self, record: Record) -> Result<(), Refusal> {
-        self.write(move |tables| put(tables, &record)).await
+        self.write(move |tables| renew(tables, record)).await
     }
 
     async fn flag_cancel(&self, id: String) -> Result<(), Refusal> {
-        self.write(move |tables| match get(tables, &id)? {
-            Some(record) if !record.state.ended() => put(tables, &Record { cancel: true, ..record }),
-            _ => Ok(()),
-        })
-        .await
+        self.write(move |tables| flag_cancel(tables, &id)).await
     }
 
     async fn flag_paused(&self, id: String, paused: bool) -> Result<(), Refusal> {
@@ -295,7 +291,7 @@ impl Ledger for LocalLedger {
     }
 
     fn update_blocking(&self, records: Vec<Record>) -> Result<(), Refusal> {
-        self.write_blocking(move |tables| records.iter().try_for_each(|record| put(tables, record)))
+        self.write_blocking(move |tables| records.into_iter().try_for_each(|record| renew(tables, record)))
     }
 
     fn end(&self, record: Record, log: Option<Bytes>, then: Then) {
@@ -307,7 +303,7 @@ impl Ledger for LocalLedger {
                     let row = seal::bytes(LOG.name(), &record.id, &log);
                     tables.log()?.insert(record.id.as_str(), row.as_slice()).map_err(storage)?;
                 }
-                put(tables, &record)
+                renew(tables, record)
             };
             let kept = keep();
             Box::new(move |committed| then.give(committed.and(kept)))
@@ -484,5 +480,7 @@ impl Drop for LocalLedger {
     }
 }
 
+#[cfg(test)]
+mod flags_tests;
 #[cfg(test)]
 mod model_tests;

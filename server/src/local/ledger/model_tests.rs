@@ -87,7 +87,7 @@ impl Twin {
                 }
             },
             Operation::Cancel(id) => {
-                self.jobs.get_mut(id).filter(|job| !job.state.ended()).into_iter().for_each(|job| job.cancel = true);
+                self.jobs.get_mut(id).into_iter().for_each(|job| job.cancel = true);
             }
             Operation::Pause(id, paused) => {
                 let open = self.jobs.get_mut(id).filter(|job| !job.state.ended());
@@ -103,7 +103,13 @@ impl Twin {
                 let run = self.runs.entry(record.tenant.clone()).or_default();
                 let before = if run.0 == day { run.1 } else { 0 };
                 *run = (day, before + record.runs.cpu_us);
-                self.jobs.insert(record.id.clone(), (**record).clone());
+                let before = self.jobs.get(&record.id).expect("it was accepted");
+                let kept = Record {
+                    cancel: record.cancel || before.cancel,
+                    paused: before.paused && !record.state.ended(),
+                    ..(**record).clone()
+                };
+                self.jobs.insert(record.id.clone(), kept);
                 log.iter().for_each(|log| drop(self.logs.insert(record.id.clone(), log.clone())));
             }
             Operation::Remove(record) => self.take_out(&record.id),
@@ -167,6 +173,9 @@ fn operation(random: &mut Random, twin: &Twin, step: usize) -> Operation {
             if let Some(job) = random.one(&open) {
                 let state = [State::Succeeded, State::Failed, State::Cancelled][random.below(3)];
                 let mut record = Record { state, ended_ms: 86_400_000 + step as i64, ..(*job).clone() };
+                // Perhaps copied before a cancel or a pause was stored.
+                (record.cancel, record.paused) =
+                    (job.cancel && random.below(2) == 0, job.paused && random.below(2) == 0);
                 record.runs.stored_bytes = random.below(1000) as u64;
                 record.runs.cpu_us = random.below(50) as u64;
                 let log = (random.below(2) == 0).then(|| Bytes::from(vec![7; random.below(3000)]));

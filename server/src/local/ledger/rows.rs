@@ -63,10 +63,34 @@ pub(super) fn clear(tables: &Tables<'_>, ids: &[String]) -> Result<(), Refusal> 
     Ok(())
 }
 
-/// Stores the row of a job; one that has ended is listed as such.
-pub(super) fn put(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+/// Stores a new state of a job. A cancel or a pause that was stored after the caller had copied the record stays.
+pub(super) fn renew(tables: &Tables<'_>, mut record: Record) -> Result<(), Refusal> {
+    // A damaged row is replaced.
+    if let Ok(Some(stored)) = get(tables, &record.id) {
+        record.cancel |= stored.cancel;
+        record.paused = stored.paused && !record.state.ended();
+    }
+    put(tables, &record)
+}
+
+/// Stores that the cancel of a job was accepted, even if its end has been stored meanwhile.
+pub(super) fn flag_cancel(tables: &Tables<'_>, id: &str) -> Result<(), Refusal> {
+    match get(tables, id)? {
+        Some(record) => put_row(tables, &Record { cancel: true, ..record }),
+        None => Ok(()),
+    }
+}
+
+/// Stores the row of a job alone; its lists do not depend on the change.
+fn put_row(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     let bytes = seal::json(JOB.name(), &record.id, record)?;
     tables.job()?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
+    Ok(())
+}
+
+/// Stores the row of a job; one that has ended is listed as such.
+pub(super) fn put(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
+    put_row(tables, record)?;
     if !record.state.ended() {
         return Ok(());
     }
