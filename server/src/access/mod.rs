@@ -20,6 +20,7 @@ pub mod token_commands;
 use std::collections::HashMap;
 use std::net::IpAddr;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
@@ -88,6 +89,8 @@ type Note = Box<dyn FnOnce(Vec<String>) + Send>;
 #[derive(Default)]
 struct Targets {
     ids: Mutex<Vec<String>>,
+    /// The call has begun to change something.
+    begun: AtomicBool,
     note: Mutex<Option<Note>>,
 }
 
@@ -101,7 +104,7 @@ impl Drop for Targets {
     fn drop(&mut self) {
         let ids = std::mem::take(self.ids.get_mut().unwrap_or_else(PoisonError::into_inner));
         if let Some(note) = self.note.get_mut().unwrap_or_else(PoisonError::into_inner).take() {
-            note(ids);
+            note(if *self.begun.get_mut() { ids } else { Vec::new() });
         }
     }
 }
@@ -136,7 +139,12 @@ impl Caller {
         self.lock().clone()
     }
 
-    /// Calls `note` with the targets when all work of the call is over.
+    /// Records that the call begins to change something.
+    pub(crate) fn begins(&self) {
+        self.targets.begun.store(true, Ordering::SeqCst);
+    }
+
+    /// Calls `note` with the targets when all work of the call is over. It gets none if no change has begun.
     pub(crate) fn note_at_the_end(&self, note: impl FnOnce(Vec<String>) + Send + 'static) {
         *self.targets.note.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(note));
     }
@@ -289,5 +297,29 @@ impl Access {
         }
         verified.insert(digest, (identity.clone(), until));
         Ok((identity, until))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The targets in the line of a call about `job` that its client has ended.
+    fn noted(work: impl FnOnce(&Caller)) -> Vec<String> {
+        let identity = Identity { name: "ci".into(), tenant: "t".into(), role: Role::Submit };
+        let caller = Caller::new(Arc::new(identity));
+        let (note, noted) = std::sync::mpsc::channel();
+        caller.about("job");
+        work(&caller);
+        caller.note_at_the_end(move |targets| note.send(targets).unwrap());
+        assert!(noted.try_recv().is_err(), "the work of the call is not over");
+        drop(caller);
+        noted.recv().unwrap()
+    }
+
+    #[test]
+    fn a_call_that_ends_before_its_change_begins_names_no_target() {
+        assert!(noted(|_| ()).is_empty());
+        assert_eq!(noted(Caller::begins), ["job"]);
     }
 }

@@ -12,7 +12,7 @@ use tonic::{Request, Response, Status, Streaming};
 
 use super::door::{chunk as within, enter};
 use super::stream::{CHUNK, Chunk, stream};
-use super::{Blobs, blocking};
+use super::{Blobs, blocking, to_the_end};
 use crate::access::Caller;
 use crate::blobs::{Receiver, digest};
 use crate::jobs::Core;
@@ -89,7 +89,7 @@ impl Service for Blobs {
             })
             .await?;
         }
-        let size = blocking(move || receiver.finish()).await?;
+        let size = to_the_end(&caller, blocking(move || receiver.finish())).await?;
         drop(growing);
         Ok(Response::new(v1::UploadResponse { digest, size }))
     }
@@ -100,6 +100,7 @@ impl Service for Blobs {
         let stored = blocking(move || {
             let (digest, size) = (digest(&data), data.len() as u64);
             caller.about(&digest);
+            caller.begins();
             let (receiver, growing) =
                 begin(&core, &tenant, &v1::UploadRequest { digest: digest.clone(), data, size: Some(size) })?;
             receiver.finish()?;

@@ -46,6 +46,8 @@ async fn submitted(
     taken: Taken,
 ) -> Result<(Box<Record>, bool), Refusal> {
     let (core, noted) = (core.clone(), caller.clone());
+    // Until there is a new job, the line names none: the job that is run again does not change.
+    caller.about_jobs(&[]);
     let submit = async move {
         let _taken = taken;
         let (record, duplicate) = core.submit(job).await?;

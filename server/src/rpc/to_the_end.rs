@@ -27,6 +27,7 @@ pub(super) fn to_the_end<T: Send + 'static>(
     caller: &Caller,
     work: impl Future<Output = Result<T, Refusal>> + Send + 'static,
 ) -> ToTheEnd<T> {
+    caller.begins();
     let caller = caller.clone();
     // In a box, as each future around it would copy it.
     let work = Box::pin(work);
