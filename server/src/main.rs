@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory as _, Parser, Subcommand};
 use counterpoint_server::access::token_commands::TokenCommand;
 use counterpoint_server::backup::{self, Contents};
 use counterpoint_server::doctor;
 use counterpoint_server::notify::Manager;
-use counterpoint_server::options::{Flags, Options};
+use counterpoint_server::options::{Flags, Options, any_path};
 use counterpoint_server::output;
 use counterpoint_server::{logging, man, service, start_threads};
 
@@ -18,7 +19,7 @@ use counterpoint_server::{logging, man, service, start_threads};
 #[command(name = "counterpointd", version)]
 struct Arguments {
     /// Configuration file; flags and environment override it
-    #[arg(long, global = true, env = "COUNTERPOINT_CONFIG", value_name = "FILE.toml")]
+    #[arg(long, global = true, env = "COUNTERPOINT_CONFIG", value_name = "FILE.toml", value_parser = any_path())]
     config: Option<PathBuf>,
     /// Print the resulting configuration with a comment for each option, and exit
     #[arg(long)]
@@ -72,15 +73,19 @@ enum Command {
     },
 }
 
+fn write_pages(folder: &Path) -> Result<(), String> {
+    man::write(Arguments::command(), folder).and_then(|()| {
+        let folder = folder.display();
+        output::line(format_args!("man pages written to {folder}: `man -l {folder}/counterpointd.8` shows one"))
+    })
+}
+
 /// Executes commands that need no server of their own.
 fn run(command: &Command, options: &Options) -> ExitCode {
     let data = &options.data;
     let done = match command {
         Command::Token(command) => command.run(&options.guard.access),
-        Command::Man { folder } => man::write(Arguments::command(), folder).and_then(|()| {
-            let folder = folder.display();
-            output::line(format_args!("man pages written to {folder}: `man -l {folder}/counterpointd.8` shows one"))
-        }),
+        Command::Man { folder } => write_pages(folder),
         Command::Doctor { data: own, repair } => {
             keep_private();
             return examine(own.as_deref().unwrap_or(data), *repair);
@@ -98,13 +103,11 @@ fn run(command: &Command, options: &Options) -> ExitCode {
             backup::restore(from, to, *damaged).and_then(|()| output::line(format_args!("restored: {}", to.display())))
         }
     };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            output::failure(format_args!("counterpointd: {error}"));
-            ExitCode::from(3)
-        }
-    }
+    outcome(done)
+}
+
+fn outcome(done: Result<(), String>) -> ExitCode {
+    done.map_or_else(|error| fail(3, &error), |()| ExitCode::SUCCESS)
 }
 
 /// Examines a folder and prints the findings.
@@ -134,12 +137,21 @@ const IDLE_THREAD: Duration = Duration::from_millis(100);
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let base = match &arguments.config {
+    if arguments.print_config && arguments.command.is_some() {
+        let text = "--print-config cannot be combined with a command";
+        Arguments::command().error(ErrorKind::ArgumentConflict, text).exit();
+    }
+    if let Some(Command::Man { folder }) = &arguments.command {
+        // The pages do not depend on the configuration.
+        return outcome(write_pages(folder));
+    }
+    let config = arguments.config.filter(|path| !path.as_os_str().is_empty());
+    let base = match &config {
         Some(path) => Options::from_file(path),
         None => Ok(Options::default()),
     };
-    let options = match base {
-        Ok(base) => arguments.flags.over(base),
+    let options = match base.and_then(|base| arguments.flags.over(base).checked()) {
+        Ok(options) => options,
         Err(error) => return fail(2, &error),
     };
     if arguments.print_config {
@@ -156,7 +168,7 @@ fn main() -> ExitCode {
         return fail(2, &error);
     }
     keep_private();
-    match start(options, arguments.config.as_deref()) {
+    match start(options, config.as_deref()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             logging::end(format, &error);
@@ -209,9 +221,10 @@ async fn serve(options: Options, config: Option<&Path>) -> Result<(), service::E
 
 /// Logs the version, the data folder and the bound addresses.
 fn log_start(handle: &service::Handle, data: &Path) {
-    let (version, data, url) = (env!("CARGO_PKG_VERSION"), data.display(), handle.url());
+    // A name may contain a line break; the log escapes it in a text.
+    let (version, data, url) = (env!("CARGO_PKG_VERSION"), &*data.to_string_lossy(), handle.url());
     let metrics = handle.metrics().map(|address| format!("http://{address}/metrics"));
-    tracing::info!(version, %data, unfinished_jobs = handle.unfinished_jobs(), url, metrics, "started");
+    tracing::info!(version, data, unfinished_jobs = handle.unfinished_jobs(), url, metrics, "started");
 }
 
 /// Tells the service manager that the server is alive, and when it stops. Never returns.

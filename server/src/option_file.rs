@@ -19,8 +19,11 @@ impl<'a> OptionFile<'a> {
         Self { option, path }
     }
 
-    /// Reads the file.
+    /// Reads the file. A pipe or a socket is refused: the read could wait indefinitely, and a second read finds nothing.
     pub(crate) fn read(&self) -> Result<Vec<u8>, String> {
+        if std::fs::metadata(self.path).is_ok_and(|meta| is_pipe(meta.file_type())) {
+            return Err(self.wrong("is not a regular file"));
+        }
         std::fs::read(self.path).map_err(|error| match error.kind() {
             io::ErrorKind::PermissionDenied => self.wrong(format_args!("{error}; {}", remedy())),
             _ => self.wrong(error),
@@ -31,6 +34,17 @@ impl<'a> OptionFile<'a> {
     pub(crate) fn wrong(&self, error: impl Display) -> String {
         format!("'{}' (option {}): {error}", self.path.display(), self.option)
     }
+}
+
+#[cfg(unix)]
+fn is_pipe(kind: std::fs::FileType) -> bool {
+    use std::os::unix::fs::FileTypeExt as _;
+    kind.is_fifo() || kind.is_socket()
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_kind: std::fs::FileType) -> bool {
+    false
 }
 
 /// The remedy for denied access; it names the user that must be able to read the file.

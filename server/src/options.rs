@@ -137,6 +137,21 @@ pub enum Error {
         /// The error.
         error: Box<toml::de::Error>,
     },
+    /// The value of an option cannot be used.
+    #[error("option {option}: {error}")]
+    Value {
+        /// The option.
+        option: String,
+        /// The error.
+        error: &'static str,
+    },
+}
+
+/// Reads a path that may be empty, unlike the paths of clap.
+#[must_use]
+pub fn any_path() -> impl clap::builder::TypedValueParser<Value = PathBuf> {
+    use clap::builder::TypedValueParser as _;
+    clap::builder::OsStringValueParser::new().map(PathBuf::from)
 }
 
 impl Options {
@@ -161,6 +176,25 @@ impl Options {
                 check_tables::<Webhook>(&given, &known, "webhooks")?;
                 toml::from_str(text)
             }
+        }
+    }
+
+    /// The options, unless one of them has a value that no server can use or no configuration file can contain.
+    ///
+    /// # Errors
+    /// The first such option.
+    pub fn checked(self) -> Result<Self, Error> {
+        if self.data.as_os_str().as_encoded_bytes().contains(&0) {
+            return Err(Error::Value { option: "data".to_owned(), error: "the path contains a NUL character" });
+        }
+        let text = self.to_toml();
+        let values = text.lines().filter_map(|line| line.split_once(" = "));
+        let numbers = values.filter_map(|(option, value)| Some((option, value.parse::<u64>().ok()?)));
+        match numbers.into_iter().find(|(_, number)| i64::try_from(*number).is_err()) {
+            Some((option, _)) => {
+                Err(Error::Value { option: option.to_owned(), error: "the largest number is 9223372036854775807" })
+            }
+            None => Ok(self),
         }
     }
 

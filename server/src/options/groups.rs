@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use counterpoint_kernel::options::Limits;
 use serde::{Deserialize, Serialize};
 
+use super::any_path;
+
 const MOST: Limits = Limits::MOST;
 
 /// A group: options with defaults, and flags that are laid over them.
@@ -151,13 +153,13 @@ group! {
     /// Permitted callers.
     Guard, GuardFlags {
         /// File of tokens, keys and certificates with their tenants and roles; empty = every caller may do everything
-        access: PathBuf = PathBuf::new(), "COUNTERPOINT_ACCESS", "FILE.toml";
+        access: PathBuf = PathBuf::new(), "COUNTERPOINT_ACCESS", "FILE.toml" [value_parser = any_path()];
         /// Certificates of the server, PEM, its own first; empty = connections are not encrypted
-        tls_cert: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_CERT", "FILE.pem";
+        tls_cert: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_CERT", "FILE.pem" [value_parser = any_path()];
         /// Key of the first certificate, PEM
-        tls_key: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_KEY", "FILE.pem";
+        tls_key: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_KEY", "FILE.pem" [value_parser = any_path()];
         /// Certificates of the authorities for clients, PEM: clients without a certificate are refused; empty = none
-        tls_client_ca: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_CLIENT_CA", "FILE.pem";
+        tls_client_ca: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_CLIENT_CA", "FILE.pem" [value_parser = any_path()];
         /// Listen on addresses other than loopback without encryption or without identities
         insecure: bool = false, "COUNTERPOINT_INSECURE", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
         /// Offer the contract to clients (gRPC reflection)
@@ -171,7 +173,7 @@ group! {
         /// Maximum calls without a known identity that are answered per second for one address; 0 = no limit
         max_refused_per_s: u32 = 20, "COUNTERPOINT_MAX_REFUSED_PER_S", "N";
         /// File for the audit log; empty = none
-        audit: PathBuf = PathBuf::new(), "COUNTERPOINT_AUDIT", "FILE";
+        audit: PathBuf = PathBuf::new(), "COUNTERPOINT_AUDIT", "FILE" [value_parser = any_path()];
     }
 }
 

@@ -187,3 +187,78 @@ fn the_log_has_the_version_the_folder_the_jobs_and_the_addresses() {
     let port = metrics.strip_prefix("http://127.0.0.1:").and_then(|rest| rest.strip_suffix("/metrics")).unwrap();
     assert_ne!(port, "0", "{fields}");
 }
+
+/// Exit code, standard output and standard error of a command that needs no server.
+fn outcome(arguments: &[&str], variables: &[(&str, &str)]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    let output = command.args(arguments).envs(variables.iter().copied()).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+/// A configuration file has signed numbers.
+#[test]
+fn a_number_that_no_configuration_file_can_contain_is_refused_by_name() {
+    let (code, _, text) = outcome(&["--queue", "18446744073709551615", "--print-config"], &[]);
+    assert!(code == Some(2) && text.contains("option queue: the largest number is 9223372036854775807"), "{text}");
+    let (code, printed, text) = outcome(&["--queue", "9223372036854775807", "--print-config"], &[]);
+    assert!(code == Some(0) && printed.contains("\nqueue = 9223372036854775807\n"), "{text}");
+}
+
+#[test]
+fn man_pages_need_no_configuration_and_no_command_is_ignored() {
+    let folder = tempfile::tempdir().unwrap();
+    let (pages, none) = (folder.path().join("man"), folder.path().join("none.toml"));
+    let (pages_text, none) = (pages.to_str().unwrap(), none.to_str().unwrap());
+    let (code, printed, text) = outcome(&["--print-config", "man", pages_text], &[]);
+    assert!(code == Some(2) && text.contains("--print-config cannot be combined with a command"), "{printed}{text}");
+    assert!(!pages.exists());
+    let (code, _, text) = outcome(&["man", pages_text], &[("COUNTERPOINT_CONFIG", none)]);
+    assert!(code == Some(0) && pages.join("counterpointd.8").is_file(), "{text}");
+}
+
+#[test]
+fn an_empty_path_means_the_same_in_the_environment_and_in_the_file() {
+    let files = ["CONFIG", "ACCESS", "TLS_CERT", "TLS_KEY", "TLS_CLIENT_CA", "AUDIT"];
+    let variables = files.map(|name| format!("COUNTERPOINT_{name}"));
+    let variables = variables.each_ref().map(|name| (name.as_str(), ""));
+    let (code, printed, text) = outcome(&["--print-config"], &variables);
+    assert_eq!((code, printed), (Some(0), outcome(&["--print-config"], &[]).1), "{text}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_data_folder_that_cannot_exist_and_a_pipe_as_a_file_of_identities_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (config, pipe) = (folder.path().join("c.toml"), folder.path().join("pipe"));
+    std::fs::write(&config, "data = \"a\\u0000b\"\n").unwrap();
+    let (code, _, text) = outcome(&["--listen", "127.0.0.1:0", "--config", config.to_str().unwrap()], &[]);
+    assert!(code == Some(2) && text.contains("option data") && text.contains("NUL"), "{text}");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    let (code, text) = refused(&folder.path().join("data"), &["--access", pipe.to_str().unwrap()]);
+    assert!(code == Some(2) && text.contains("(option access): is not a regular file"), "{text}");
+}
+
+/// A line of the log stays one line.
+#[cfg(unix)]
+#[test]
+fn a_line_break_in_the_data_folder_breaks_no_line_of_the_log() {
+    use std::io::{BufRead as _, BufReader, Read as _};
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_counterpointd"))
+        .args(["--listen", "127.0.0.1:0", "--data", "first\nsecond"])
+        .current_dir(folder.path())
+        .env("COUNTERPOINT_LOG", "info")
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut String::new()).unwrap();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let mut log = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut log).unwrap();
+    let started = log.lines().find(|line| line.contains("started")).unwrap_or_else(|| panic!("{log}"));
+    assert!(started.contains("first\\nsecond") && started.contains("unfinished_jobs"), "{log}");
+}
