@@ -11,7 +11,7 @@ use counterpoint_kernel::dialog::operator::{Operator, Question};
 
 use super::operator::{Desk, Outcome};
 use crate::ledger::Ledger;
-use crate::ledger::record::Settled;
+use crate::ledger::settled::Settled;
 
 /// Time between two attempts to store that a question was not answered.
 const PAUSE: Duration = Duration::from_millis(50);

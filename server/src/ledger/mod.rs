@@ -7,6 +7,7 @@
 pub(crate) mod crashes;
 pub(crate) mod prefix;
 pub(crate) mod record;
+pub(crate) mod settled;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
@@ -19,7 +20,8 @@ use uuid::Uuid;
 use crate::machines::Definition;
 use crate::reason::Refusal;
 use prefix::IdPrefix;
-use record::{Record, Settled, State, Work};
+use record::{Record, State, Work};
+use settled::Settled;
 
 /// Asked before something is stored, while no blob can be collected.
 pub(crate) type Check<T> = Box<dyn FnOnce(&T) -> Result<(), Refusal> + Send>;

@@ -270,29 +270,9 @@ pub(crate) struct Work {
     pub(crate) answers: Vec<(u16, Option<Answer>)>,
 }
 
-/// The outcome of a question to the operator.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Settled {
-    pub(crate) channel: u16,
-    /// Number of the question within the channel, from 1.
-    pub(crate) question: u64,
-    /// `None`: the operator declined, or did not answer in time.
-    pub(crate) answer: Option<Answer>,
-}
-
 impl Work {
     /// Maximum bytes of a work that stays in memory until the first run.
     pub(crate) const SMALL: u64 = 1024;
-
-    /// Adds the outcome of a question in place of an outcome that was stored for it without being acknowledged.
-    pub(crate) fn settle(&mut self, Settled { channel, question, answer }: Settled) {
-        let mut number = 0;
-        self.answers.retain(|(of, _)| {
-            number += u64::from(*of == channel);
-            *of != channel || number < question
-        });
-        self.answers.push((channel, answer));
-    }
 
     /// Whether the work is small enough to stay in memory: a few files, and neither answers nor parameters.
     pub(crate) fn is_small(&self) -> bool {
@@ -495,18 +475,6 @@ pub(crate) mod tests {
         assert!(!Work { options: Options { answers, ..Options::default() }, ..work() }.is_small());
         let parameters = "-A".to_owned();
         assert!(!Work { options: Options { parameters, ..Options::default() }, ..work() }.is_small());
-    }
-
-    #[test]
-    fn the_outcome_of_a_question_replaces_one_that_was_not_acknowledged() {
-        let mut work = work();
-        let answer = |button: &str| Some(Answer { button: Some(button.into()), ..Answer::default() });
-        for (channel, question, answer) in
-            [(1, 1, answer("a")), (2, 1, None), (1, 2, answer("b")), (1, 2, None), (2, 2, answer("c"))]
-        {
-            work.settle(Settled { channel, question, answer });
-        }
-        assert_eq!(work.answers, [(1, answer("a")), (2, None), (1, None), (2, answer("c"))]);
     }
 
     #[test]

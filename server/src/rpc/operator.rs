@@ -23,7 +23,7 @@ use crate::jobs::Core;
 use crate::jobs::describe::status;
 use crate::jobs::live::Live;
 use crate::jobs::operator::Claimed;
-use crate::ledger::record::Settled;
+use crate::ledger::settled::Settled;
 use crate::reason::Refusal;
 
 type Heard = Result<v1::AttendResponse, Status>;

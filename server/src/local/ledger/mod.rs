@@ -35,7 +35,8 @@ use uuid::{NoContext, Timestamp, Uuid};
 
 use super::contained::contained;
 use super::store::Store;
-use crate::ledger::record::{Record, Settled, Work};
+use crate::ledger::record::{Record, Work};
+use crate::ledger::settled::Settled;
 use crate::ledger::{Accepted, Check, Compacted, Ended, Keep, Ledger, NewJob, Page, Query, Submitted, Then, Usage};
 use crate::log::damage::{damage, of_job};
 use crate::machines::Definition;

@@ -8,7 +8,8 @@ use redb::{ReadTransaction, ReadableTable, TableDefinition, TableHandle as _, Wr
 
 use super::tables::Tables;
 use super::{JOB, parse, readable, rows, seal, storage};
-use crate::ledger::record::{Record, Settled, Work};
+use crate::ledger::record::{Record, Work};
+use crate::ledger::settled::Settled;
 use crate::reason::Refusal;
 
 /// Identity → work.
