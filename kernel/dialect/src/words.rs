@@ -9,7 +9,7 @@ use crate::host::Words;
 /// Start and end of a part of a block.
 pub(crate) type Span = (u32, u32);
 
-/// Place of a part of a block as a span.
+/// Makes a span of the start and the end of a part.
 pub(crate) fn span(start: usize, end: usize) -> Span {
     (start as u32, end as u32)
 }

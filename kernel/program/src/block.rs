@@ -15,7 +15,8 @@ pub struct Word {
     pub incremental: bool,
     /// Taken by a code or an action.
     pub used: bool,
-    /// A pre-processor made its value, which has the digits that its register writes; its place shows an expression.
+    /// Whether a pre-processor made the value. The value then has the digits that its register writes, and the text at
+    /// the place of the word is an expression.
     pub made: bool,
     /// Number as read by the register's format, before any factor.
     pub value: f64,

@@ -179,7 +179,7 @@ impl Scanner {
         self.split_from(line, 0, secondary, block, statements)
     }
 
-    /// Adds the words of a part of a line to the block. Nothing in the part is for the pre-processor.
+    /// Adds the words of a part of a line to the block. The part contains no text for the pre-processor.
     #[inline(never)]
     pub fn scan_part(&self, line: &[u8], (start, end): (u32, u32), secondary: bool, block: &mut Block) {
         let part = line.get(..end as usize).unwrap_or(line);

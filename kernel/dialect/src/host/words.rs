@@ -71,21 +71,21 @@ pub trait Words {
     /// Adds a word to the block.
     fn push(&mut self, word: MadeWord);
 
-    /// Adds a value as a word of a register, which may be its incremental form. The register reads the number as it is
-    /// `spelled`, any other value with the digits of its format.
+    /// Adds a value as a word of a register, which may be its incremental form. The register reads a number as
+    /// `spelled`, and any other value with the digits of its format.
     fn push_value(&mut self, register: (RegisterId, bool), value: f64, spelled: Option<&str>, span: (u32, u32));
 
-    /// Adds the words of a part of the block that the interpreter leaves as it is. Places in `text` are places in the
-    /// block: it is the block, or a copy that has blanks in place of comments.
+    /// Adds the words of a part of the block that the interpreter leaves unchanged. `text` is the block, or a copy that
+    /// has blanks in place of comments, so places in `text` are places in the block.
     fn push_plain(&mut self, text: &[u8], span: (u32, u32));
 
-    /// Adds words that stand for a part of the block, with its place.
+    /// Adds words that replace a part of the block, with its place.
     fn push_written(&mut self, words: &str, span: (u32, u32));
 
     /// Adds a part of the block that is not a word of the machine.
     fn push_unknown(&mut self, text: &[u8], span: (u32, u32));
 
-    /// The block has this text: lines that continue it belong to it.
+    /// Sets the text of a block that continues on further lines.
     fn join_lines(&mut self, text: &[u8]);
 
     /// Adds a literal text of the machine, by its row in the code table.

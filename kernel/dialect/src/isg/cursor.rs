@@ -88,7 +88,7 @@ impl<'a> Cursor<'a> {
         std::str::from_utf8(self.text.get(start..self.at).unwrap_or_default()).unwrap_or("")
     }
 
-    /// The place here without the blanks before it, down to another place.
+    /// The current place without the blanks before it, but not before `start`.
     pub(super) fn trimmed(&self, start: usize) -> usize {
         start + self.between(start).trim_end().len()
     }

@@ -52,7 +52,7 @@ pub(super) enum Item {
 }
 
 impl Item {
-    /// Whether something of it remains in the block.
+    /// Whether the item leaves words in the block.
     pub(super) fn remains(&self) -> bool {
         matches!(self, Self::Word(_) | Self::Time(..) | Self::Dwell(..) | Self::Text(_))
     }
@@ -63,13 +63,13 @@ impl Item {
 pub(super) struct Word {
     pub(super) letter: u8,
     pub(super) value: Expr,
-    /// Place of the value if it is a number as written.
+    /// Place of the value if the program has a number there.
     pub(super) number: Option<Span>,
     pub(super) span: Span,
 }
 
 impl Word {
-    /// Whether the number follows its letter, so that the word is one of any control.
+    /// Whether the number follows its letter, as in words of any control.
     pub(super) fn is_plain(&self) -> bool {
         self.number.is_some_and(|(start, _)| start == self.span.0 + 1)
     }

@@ -1,8 +1,8 @@
 //! ISG kernel, as in Beckhoff TF5200: parameters, variables, control blocks, signals between channels.
 //!
 //! Facts: reference channel-synchronisation.md 1.7. A block is read once (`line`, kept by file and line) and executed
-//! item by item (`run`): statements act at once, words are put in the block. Invariants: a mistake of the program is an
-//! alarm with a text and never goes unreported; text that is not a statement, variable or subprogram remains for the
+//! item by item (`run`): statements act at once, words are added to the block. Invariants: a mistake of the program is
+//! an alarm with a text and never goes unreported; text that is not a statement, variable or subprogram remains for the
 //! tables of the machine.
 
 mod control;

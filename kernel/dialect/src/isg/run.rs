@@ -56,7 +56,7 @@ fn finite(value: Option<f64>, name: &str) -> Outcome<f64> {
 }
 
 impl Isg {
-    /// Executes a block; words that remain are put in the block.
+    /// Executes a block; words that remain are added to the block.
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &[u8]) -> Outcome<Made> {
         let place = host.place();
         if places::is_head(text) {
@@ -85,7 +85,7 @@ impl Isg {
         Ok(if remains { Made::Words } else { Made::Nothing })
     }
 
-    /// Executes an item of a block, which is `plain` without comments and in capitals.
+    /// Executes an item of a block; `plain` is the block in capitals without comments.
     fn item(&mut self, host: &mut dyn Host, item: &Item, (plain, text): (&[u8], &[u8])) -> Outcome<()> {
         match item {
             Item::Word(word) if word.is_plain() && host.register(word.letter).is_some() => {
@@ -289,7 +289,7 @@ impl Isg {
     }
 }
 
-/// Puts a word in the block; its text stays as it is where the machine does not have the word.
+/// Adds a word to the block; if the machine does not have the word, its text stays unchanged.
 fn put(host: &mut dyn Host, word: &Valued<'_>, text: &[u8]) {
     if !word.push(host) {
         host.push_unknown(text, word.span);

@@ -105,7 +105,7 @@ pub(super) enum Item {
         /// The variable that it could be; none for the letter of a word with its value in brackets.
         variable: Option<Variable>,
         value: Expr,
-        /// Place of the value, if it is a number and nothing else.
+        /// Place of the value, if it is only a number.
         number: Option<Span>,
         span: Span,
     },
@@ -145,7 +145,7 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// The place from one byte up to another, without blanks at its end.
+    /// The place from byte `start` to byte `end`, without blanks at the end.
     fn place(&self, start: usize, end: usize) -> Span {
         span(start, start + self.plain.get(start..end).unwrap_or_default().trim_ascii_end().len())
     }

@@ -48,18 +48,18 @@ pub(super) struct Modal {
 struct Left<'a> {
     /// The block without comments and messages.
     plain: &'a [u8],
-    /// There are any.
+    /// Whether the block leaves any words.
     any: bool,
 }
 
 impl Left<'_> {
-    /// A part of the block remains as it is.
+    /// Leaves a part of the block unchanged.
     fn keep(&mut self, host: &mut dyn Host, span: Span) {
         host.push_plain(self.plain, span);
         self.any = true;
     }
 
-    /// Adds a word, if a register of the machine has its name.
+    /// Adds a word if a register of the machine has its name.
     fn add(&mut self, host: &mut dyn Host, word: &Valued<'_>) -> bool {
         let is_word = word.push(host);
         self.any |= is_word;

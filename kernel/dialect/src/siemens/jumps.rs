@@ -72,7 +72,7 @@ fn unmarked(text: &str) -> &str {
     text
 }
 
-/// Where the text of a block without its marks of optional skip starts.
+/// Start of the text of a block after its marks of optional skip.
 fn start_of(text: &str) -> usize {
     text.len() - unmarked(text).len()
 }

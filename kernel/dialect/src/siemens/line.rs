@@ -21,7 +21,8 @@ pub(super) struct Line {
     /// In capital letters.
     pub(super) label: Option<String>,
     pub(super) items: Vec<Item>,
-    /// Where the number with its letter and the items are in the block; empty if its text is made of other text.
+    /// Places in the block of the number with its letter, then of the items; empty if the text does not come from the
+    /// block.
     pub(super) places: Vec<Span>,
     /// Its text has neither a mark of optional skip nor is it the head of a program: nothing is to be asked before it
     /// acts.
@@ -33,7 +34,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// The line with its places in a text that ends with the text that was read.
+    /// The line with its places moved by `offset`, for a text that ends with the line.
     pub(super) fn at(self, offset: usize) -> Self {
         let offset = offset as u32;
         let places = self.places.into_iter().map(|(start, end)| (start + offset, end + offset)).collect();

@@ -1,4 +1,4 @@
-//! Where the remaining words of a block are from.
+//! Places of the remaining words of a block.
 //!
 //! *Invariant:* the parts cover the words, unless other words have replaced them or joined them.
 
@@ -10,21 +10,21 @@ use crate::words::Span;
 /// Parts of the remaining words in their order.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    /// Where each part ends in the words, and the place in the block that it is from.
+    /// The end of each part within the words, and its place in the block.
     parts: Vec<(usize, Span)>,
-    /// Other words stand for those of the block.
+    /// Whether other words have replaced those of the block.
     pub(super) replaced: bool,
 }
 
 impl Line {
-    /// Where an item is in the block.
+    /// The place of an item in the block.
     pub(super) fn place(&self, item: usize) -> Option<Span> {
         self.places.get(item + 1).copied()
     }
 }
 
 impl Places {
-    /// The words up to `end` that no part covers are from this place.
+    /// Gives the words up to `end` that no part covers this place.
     pub(super) fn put(&mut self, end: usize, place: Option<Span>) {
         let last = self.parts.last().map_or(0, |(end, _)| *end);
         match place {
@@ -39,7 +39,7 @@ impl Places {
         }
     }
 
-    /// Whether each word has its place, and none is a message or a text that only the block as a whole can have.
+    /// Whether each word has its place, and none is a message or a text that only a whole block can have.
     pub(super) fn are_words_of(&self, words: &str, block: &[u8]) -> bool {
         let covered = self.parts.last().map_or(0, |(end, _)| *end) == words.len();
         let is_plain = |text: &str| !text.bytes().any(|byte| matches!(byte, b'(' | b'"' | b';'));
@@ -47,7 +47,7 @@ impl Places {
         !self.replaced && !block.is_empty() && covered && self.parts(words).all(whole)
     }
 
-    /// Puts the words in the block.
+    /// Adds the words to the block.
     pub(super) fn push(&self, host: &mut dyn Host, line: &Line, words: &str, block: &[u8]) -> Remaining {
         if self.parts.is_empty() {
             return Remaining::Nothing;
@@ -73,7 +73,7 @@ fn is_part(text: &str, block: &[u8], (start, end): Span) -> bool {
     block.get(start as usize..end as usize) == Some(text.as_bytes())
 }
 
-/// Puts a part in the block: the block itself where it has this text.
+/// Adds a part to the block: as a place of the block if the text there is the same, otherwise as a written word.
 fn put(host: &mut dyn Host, text: &str, block: &[u8], place: Span) {
     if is_part(text, block, place) {
         host.push_plain(block, place);

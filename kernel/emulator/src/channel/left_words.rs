@@ -1,7 +1,7 @@
 //! Words that the interpreter of a control leaves in its block.
 //!
-//! *Invariant:* a word has its place in the text of the program. The same words are made a text only for the trace and
-//! for macros that ask for the block. Facts: reference control-emulator.md 2.2, 5.4.
+//! *Invariant:* a word has its place in the text of the program. The words are also formatted as text, but only for the
+//! trace and for macros that ask for the block. Facts: reference control-emulator.md 2.2, 5.4.
 
 use std::sync::Arc;
 
@@ -15,16 +15,16 @@ use counterpoint_program::key_words::Number;
 /// The words that an interpreter leaves, beside those of the block.
 #[derive(Debug, Default)]
 pub(crate) struct LeftWords {
-    /// A trace or a macro may ask for their text.
+    /// Whether a trace or a macro may ask for the text of the words.
     asked: bool,
-    /// That text.
+    /// The text of the words, if it may be asked for.
     pub(crate) text: String,
     /// Text of a block of several lines.
     pub(crate) joined: Option<Arc<[u8]>>,
 }
 
 impl LeftWords {
-    /// Forgets the words of the block before.
+    /// Removes the words of the previous block.
     pub(crate) fn clear(&mut self, asked: bool) {
         self.asked = asked;
         self.text.clear();
@@ -88,7 +88,7 @@ impl Kernel<'_> {
         self.flow.pass.effects = true;
     }
 
-    /// Adds the words of a part of a text with the places of the block.
+    /// Adds the words of a part of a text whose places are those of the block.
     pub(crate) fn left_plain(&mut self, text: &[u8], span: (u32, u32)) {
         let plan = self.plan;
         let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
@@ -97,7 +97,7 @@ impl Kernel<'_> {
         self.notes_effect();
     }
 
-    /// Adds words that stand for a part of the block.
+    /// Adds words that replace a part of the block.
     pub(crate) fn left_written(&mut self, words: &str, (start, end): (u32, u32)) {
         let plan = self.plan;
         let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
@@ -118,7 +118,7 @@ impl Kernel<'_> {
 
     fn notes_effect(&mut self) {
         let block = &self.channel.block;
-        // A sequence number alone is nothing that a loop could wait for.
+        // A sequence number alone is not an effect that a loop could wait for.
         let acts = !(block.words.is_empty() && block.texts.is_empty() && block.unrecognised.is_empty());
         self.flow.pass.effects |= acts;
     }

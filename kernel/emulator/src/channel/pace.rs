@@ -148,7 +148,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Lets events out that wait for moves although the path stops here in any case.
+    /// Releases events that wait for moves, if the path stops here in any case.
     pub(crate) fn let_out_stopped(&mut self) {
         if self.channel.pace.as_ref().is_some_and(|pace| pace.stops || pace.is_settled()) {
             self.come_to_rest();

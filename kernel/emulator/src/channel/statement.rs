@@ -65,7 +65,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Executes the words that the interpreter has put in the block.
+    /// Executes the words that the interpreter has added to the block.
     fn remaining_words(&mut self, whole: &[u8]) -> Acted {
         let left = &self.dialect.left.text;
         if self.channel.env.trace.is_some() && !left.is_empty() && left.trim().as_bytes() != whole.trim_ascii() {

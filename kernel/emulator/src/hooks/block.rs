@@ -266,7 +266,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// The same with the words that the pre-processor made.
+    /// The text of the block with the words that the pre-processor made.
     pub(crate) fn preprocessed_bytes(&self) -> std::borrow::Cow<'_, [u8]> {
         self.macros.block.left.as_ref().map_or_else(|| self.text_bytes(), |left| left.as_bytes().into())
     }

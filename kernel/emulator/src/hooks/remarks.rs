@@ -21,7 +21,7 @@ use counterpoint_program::block::PendingCode;
 impl Kernel<'_> {
     /// Comments and messages of a block that is split into words.
     pub(crate) fn remarks_of_block(&mut self) -> Acted {
-        // Those of a statement have acted before it.
+        // Remarks of a statement have acted before the statement.
         let are_done = self.macros.block.made && self.macros.block.text.is_none();
         if !self.may_have_remarks() || are_done && self.channel.block.messages.is_empty() {
             return Ok(());

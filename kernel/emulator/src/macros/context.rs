@@ -11,7 +11,7 @@ use counterpoint_machine::ident::{CodeId, DataId};
 pub(crate) struct BlockContext {
     /// Text if it is not the line of the file.
     pub(crate) text: Option<Arc<String>>,
-    /// The words that the pre-processor left of it, as text.
+    /// The words that the pre-processor left of the block, as text.
     pub(crate) left: Option<Arc<String>>,
     /// Text in place of unrecognised text, if a macro has set it.
     pub(crate) unrecognised: Option<Arc<String>>,
