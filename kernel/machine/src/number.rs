@@ -43,14 +43,14 @@ pub fn written(value: f64, format: &NumberFormat) -> String {
     format!("{sign}{digits}")
 }
 
-/// The value that a register of this format reads from [`written`], without its text.
+/// The value that a register of this format reads from the text of [`written`], computed without the text.
 #[must_use]
 pub fn rounded(value: f64, format: &NumberFormat) -> f64 {
     let magnitude = value.abs();
     let scale = POWERS.get(usize::from(format.frac)).copied().unwrap_or(f64::INFINITY);
     let units = magnitude * scale;
     let from_half = (units - units.floor() - 0.5).abs();
-    // The product may be on the wrong side of a half unit; its decimals are not.
+    // The product may be on the wrong side of a half unit; the decimal text is not.
     let rounded = if units < CERTAIN && from_half > NEAR_HALF {
         units.round() / scale
     } else {
@@ -62,10 +62,10 @@ pub fn rounded(value: f64, format: &NumberFormat) -> f64 {
 /// Powers of ten for the digits after a point.
 const POWERS: [f64; 10] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
 
-/// Up to here a product is exact to less than [`NEAR_HALF`].
+/// Below this limit a product is exact to less than [`NEAR_HALF`].
 const CERTAIN: f64 = 1e11;
 
-/// A product this near to a half may belong to either side.
+/// A product this close to a half may round to either side.
 const NEAR_HALF: f64 = 1e-4;
 
 fn lead(whole: &str, format: &NumberFormat) -> String {

@@ -109,7 +109,7 @@ impl Kernel<'_> {
             }
             _ => dialog::show(&machine.dialogs, name, answer, &mut current),
         };
-        // A question that the end of the run has closed is not a dialog without an answer.
+        // If the end of the run closed the question, this is not a dialog without an answer.
         self.check_running(state)?;
         state.spend(asked)?;
         let shown = shown.map_err(|failure: Failure| Fault::new(Number::NO_DIALOG, failure.to_string()))?;
@@ -123,8 +123,8 @@ impl Kernel<'_> {
         Ok(Value::text(shown.button))
     }
 
-    /// Lets watchers have the events before a question while the job waits for the operator. The log stays the same:
-    /// events of moves whose time depends on later moves stay with the kernel.
+    /// Passes the events before a question on to watchers while the job waits for the operator. The log is unchanged:
+    /// events of moves whose times depend on later moves stay in the kernel.
     fn pass_events_on(&mut self) {
         self.let_out_stopped();
         self.flush();

@@ -24,7 +24,7 @@ pub enum Pause {
     Chunk,
     /// An operator steps through the job and chooses the next kernel.
     Step,
-    /// An operator is about to be asked, which may take long: the events so far go into the log before.
+    /// The kernel is about to ask an operator, which may take long: the events so far go into the log first.
     Question,
 }
 
@@ -126,7 +126,7 @@ impl<'a> Port<'a> {
         }
     }
 
-    /// Lets the merger on this thread pass the events on that the kernel has sent.
+    /// Lets the merger on this thread pass on the events that the kernel has sent.
     pub fn pass_on(self) {
         if let Switch::Coroutine(yielder) = self.switch {
             yielder.suspend(Pause::Question);
