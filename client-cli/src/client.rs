@@ -37,7 +37,7 @@ pub(crate) struct Client {
 #[derive(Debug)]
 pub(crate) struct Submitted {
     pub(crate) job: String,
-    /// Accepted before, with the same request id.
+    /// Whether an earlier call with the same request id created the job.
     pub(crate) duplicate: bool,
 }
 

@@ -116,7 +116,7 @@ async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     }
 }
 
-/// Waits for jobs, one after another; the exit code is the highest.
+/// Waits for jobs, one after another; returns the highest exit code.
 async fn wait(Wait { jobs, remote, quiet, strict, json }: Wait) -> Result<u8, Error> {
     let client = Client::connect(&remote.server).await?;
     let mut ids = Vec::new();

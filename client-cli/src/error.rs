@@ -8,7 +8,7 @@ use counterpoint_client::Misfit;
 use tonic::{Code, Status};
 use tonic_types::StatusExt as _;
 
-/// Variable with the token of the caller.
+/// Environment variable with the token of the caller.
 const TOKEN: &str = "COUNTERPOINT_TOKEN";
 
 /// A failed command.
@@ -74,7 +74,7 @@ fn unreachable(error: &counterpoint_client::Error) -> String {
              authority that COUNTERPOINT_CA names, and the client's own in COUNTERPOINT_CLIENT_CERT and \
              COUNTERPOINT_CLIENT_KEY"
         ),
-        // The error has the remedy.
+        // The text of the error contains the remedy.
         Some(Misfit::Encrypted | Misfit::Unencrypted) => error.to_string(),
         None => format!(
             "{error}: start one with `counterpointd`, or give its address with --server or in COUNTERPOINT_SERVER"
@@ -104,7 +104,7 @@ impl Error {
         }
     }
 
-    /// The pause before a repetition, if the server will have room for the request after other jobs have ended.
+    /// The pause before a repetition, if the server will have room for the request when other jobs end.
     pub(crate) fn until_room(&self) -> Option<Duration> {
         const PASSING: [&str; 4] = ["QUEUE_FULL", "MEMORY_FULL", "TOO_MANY_UPLOADS", "RATE_LIMITED"];
         let Self::Refused(status) = self else { return None };

@@ -15,7 +15,7 @@ pub(crate) fn ran_ms(job: &v1::JobStatus, now_ms: i64) -> Option<i64> {
     (job.started_ms > 0).then(|| end.saturating_sub(job.started_ms).max(0))
 }
 
-/// The simulated time of an ended job; none if no run of it was finished.
+/// The simulated time of an ended job; `None` if no run has finished.
 pub(crate) fn simulated(job: &v1::JobStatus) -> Option<String> {
     (job.ended_ms > 0 && !job.log_digest.is_empty()).then(|| time(job.makespan_ns))
 }

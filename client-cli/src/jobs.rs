@@ -105,7 +105,7 @@ pub(crate) async fn rerun(arguments: Rerun) -> Result<u8, Error> {
     Ok(0)
 }
 
-/// Prints the id of a new job, and whether an earlier call with the same request id made the job.
+/// Prints the id of a job, and whether an earlier call with the same request id created the job.
 pub(crate) fn say_id(Submitted { job, duplicate }: &Submitted, json: bool) -> Result<(), Error> {
     say_duplicate(*duplicate);
     let text = match (json, duplicate) {
@@ -116,7 +116,7 @@ pub(crate) fn say_id(Submitted { job, duplicate }: &Submitted, json: bool) -> Re
     say::data(format!("{text}\n").as_bytes())
 }
 
-/// Says that a job is not a new one.
+/// Reports that an earlier call created the job.
 pub(crate) fn say_duplicate(duplicate: bool) {
     if duplicate {
         say::status_line("not submitted again: the server has accepted this request id before, for this job");

@@ -18,7 +18,7 @@ pub(crate) fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
     })
 }
 
-/// Same with the id and the programs of the job, for one of several jobs. `quiet`: only reasons why it was not run.
+/// Same with the id and the programs of the job, for one of several jobs. `quiet`: only reasons why a job was not run.
 pub(crate) fn ended_by_name(status: &v1::JobStatus, strict: bool, quiet: bool) -> u8 {
     if !quiet {
         let line = format!("{}  {}  {}  {}", status.job_id, end(status), programs(status), status.verdict);
@@ -37,7 +37,7 @@ fn end(status: &v1::JobStatus) -> String {
     format!("{state}{warnings}{}", time.unwrap_or_default())
 }
 
-/// Further lines about the end of a job: the source of its results, and where its errors are.
+/// Further lines about the end of a job: the source of its results, and the command that shows its errors.
 fn notes(status: &v1::JobStatus) -> Vec<String> {
     reused::note(status).into_iter().chain(errors(status).map(|at| format!("errors: {at}"))).collect()
 }

@@ -1,4 +1,4 @@
-//! A job that has the results of an equal job instead of a run.
+//! Jobs that have the results of an equal job instead of a run.
 
 use counterpoint_proto::v1;
 
@@ -6,7 +6,7 @@ use crate::client::Client;
 use crate::error::Error;
 use crate::instant::instant;
 
-/// Characters of an id in a line for people; commands accept this prefix.
+/// Characters of an id in a printed line; commands accept this prefix.
 const SHORT: usize = 18;
 
 /// Says that the job has not been run and names the job whose results it has; `None` after a run.
@@ -18,7 +18,7 @@ pub(crate) fn note(status: &v1::JobStatus) -> Option<String> {
     (!from.is_empty()).then(|| format!("not run: results of equal job {short}{of} (submit --no-cache runs it)"))
 }
 
-/// The job whose results a job has, with the end of its run and whether it is still there.
+/// The equal job whose results a job has, with the end of its run, and whether it was deleted.
 pub(crate) async fn source(client: &Client, status: &v1::JobStatus) -> Result<String, Error> {
     let job_id = status.reused_from.clone();
     if job_id.is_empty() {
