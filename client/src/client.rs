@@ -93,8 +93,8 @@ impl Client {
         Ok(self.submit_or_find(request).await?.0)
     }
 
-    /// Does the same and says whether the job had been accepted before with this request id. That is also so if the
-    /// answer to the first attempt of this call was lost.
+    /// Submits like [`Client::submit`] and also returns whether the job had been accepted before with this request id.
+    /// The flag is also true if the answer to the first attempt of this call was lost.
     ///
     /// # Errors
     /// As [`Client::submit`].

@@ -47,7 +47,7 @@ impl Error {
         }
     }
 
-    /// A setting that does not fit the server, if that is why no server answers.
+    /// The setting that does not fit the server, if it is the reason why no server answers.
     #[must_use]
     pub fn misfit(&self) -> Option<Misfit> {
         match self {

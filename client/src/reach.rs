@@ -1,6 +1,6 @@
 //! A channel whose failures name the address of the server.
 //!
-//! *Invariant:* a status that a server has sent passes unchanged.
+//! *Invariant:* a status sent by a server is passed on unchanged.
 
 use std::io;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ pub(crate) struct Unreached {
 pub struct Reach {
     channel: Channel,
     address: Arc<str>,
-    /// A call has been answered.
+    /// Whether a call has been answered.
     answered: Arc<AtomicBool>,
 }
 
@@ -99,14 +99,14 @@ impl Service<http::Request<Body>> for Reach {
                 }
                 Err(error) => error,
             };
-            // The error alone does not show it: how the connection breaks depends on the time of the alert.
+            // The error alone does not show the cause: how the connection breaks depends on the time of the alert.
             let alert = !answered.load(Ordering::Relaxed) && encrypts(&address).await;
             Err(unreached(&address, if alert { TLS_ALERT.to_owned() } else { cause(&error) }, error))
         })
     }
 }
 
-/// A setting that does not fit the server, as far as the cause of a failed connection shows it.
+/// A setting that does not fit the server, derived from the cause of a failed connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Misfit {
     /// The address has `http`, and the server encrypts its connections.

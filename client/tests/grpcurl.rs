@@ -158,7 +158,7 @@ async fn every_call_has_a_line_and_every_line_works() {
     for service in services.iter().filter(|name| name.starts_with("counterpoint.")) {
         reflection.files(service, &mut files).await;
     }
-    // A client needs them to show a refusal.
+    // A client needs these definitions to show a refusal.
     reflection.files("google.rpc.ErrorInfo", &mut files).await;
     let mut pool = DescriptorPool::new();
     pool.add_file_descriptor_protos(files.into_values()).unwrap();
@@ -189,6 +189,6 @@ async fn every_call_has_a_line_and_every_line_works() {
         done.insert(method.full_name().to_owned());
     }
     assert_eq!(done, all, "every call of the contract has a line in docs/api.md");
-    // The grace time is longer: no job is left that would need it.
+    // No job is left that would need the grace time.
     tokio::time::timeout(std::time::Duration::from_secs(20), server).await.expect("Drain stops it").unwrap().unwrap();
 }
