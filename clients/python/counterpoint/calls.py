@@ -83,10 +83,10 @@ class Calls:
         return self._again(lambda: call(request, metadata=self._metadata))
 
     def _call_until(self, call: Callable[..., T], request: Any, until: float) -> T:
-        """Does the same up to a time of the monotonic clock. Raises TimeoutError at this time."""
+        """Makes a call that may be repeated until a time of the monotonic clock. Raises TimeoutError at this time."""
 
         def once() -> T:
-            # An answer that the server gives at this time still arrives.
+            # An answer that the server sends at this time still arrives.
             timeout = max(0.0, until - time.monotonic()) + ANSWER_S
             return call(request, metadata=self._metadata, timeout=timeout)
 

@@ -26,7 +26,7 @@ def limit_name(status: jobs_pb2.JobStatus) -> str:
 
 
 def states(names: Union[str, Iterable[str]]) -> List["jobs_pb2.JobState.ValueType"]:
-    """States by name, in any letter case; one name stands for a list of one."""
+    """States by name, in any letter case; one name is a list of one."""
     names = [names] if isinstance(names, str) else names
     known = {name.replace("JOB_STATE_", ""): value for name, value in jobs_pb2.JobState.items() if value}
     return [known[_word("state", name, known)] for name in names]
@@ -50,12 +50,12 @@ def milliseconds(when: Optional[When]) -> int:
 
 
 def ago(name: str, when: Optional[When]) -> Optional[When]:
-    """A time in the past: a timedelta counts back from now, whatever its sign."""
+    """A time in the past: a timedelta counts back from now, regardless of its sign."""
     return -abs(_time(name, when)) if isinstance(when, datetime.timedelta) else _time(name, when)
 
 
 def deadline_ms(deadline: Optional[When], repeated: bool) -> int:
-    """A deadline as in `milliseconds`. One that has passed is an error unless the call repeats an earlier one."""
+    """A deadline as in `milliseconds`. A past deadline is an error unless the call repeats an earlier call."""
     now = datetime.datetime.now(datetime.timezone.utc)
     ms = milliseconds(_time("deadline", deadline))
     if deadline is not None and not repeated and ms <= milliseconds(now):
