@@ -221,7 +221,7 @@ async fn serve(options: Options, config: Option<&Path>) -> Result<(), service::E
 
 /// Logs the version, the data folder and the bound addresses.
 fn log_start(handle: &service::Handle, data: &Path) {
-    // A name may contain a line break; the log escapes it in a text.
+    // The path may contain a line break; the log escapes line breaks in text values.
     let (version, data, url) = (env!("CARGO_PKG_VERSION"), &*data.to_string_lossy(), handle.url());
     let metrics = handle.metrics().map(|address| format!("http://{address}/metrics"));
     tracing::info!(version, data, unfinished_jobs = handle.unfinished_jobs(), url, metrics, "started");

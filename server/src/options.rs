@@ -179,10 +179,10 @@ impl Options {
         }
     }
 
-    /// The options, unless one of them has a value that no server can use or no configuration file can contain.
+    /// Checks that every value can be used by a server and written to a configuration file.
     ///
     /// # Errors
-    /// The first such option.
+    /// The first option whose value fails the check.
     pub fn checked(self) -> Result<Self, Error> {
         if self.data.as_os_str().as_encoded_bytes().contains(&0) {
             return Err(Error::Value { option: "data".to_owned(), error: "the path contains a NUL character" });
@@ -204,7 +204,7 @@ impl Options {
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// Names of the options that differ in another file, except for the tables of tenants.
+    /// Names of the options that differ in another file; tables of tenants are not compared.
     #[must_use]
     pub fn names_of_other_changes(&self, other: &Self) -> Vec<String> {
         let table = |options: &Self| toml::Table::try_from(options).unwrap_or_default();
@@ -236,7 +236,7 @@ impl Options {
     }
 }
 
-/// Reads each table of a kind alone, so that an error names its table, or the option that stands in the table.
+/// Reads each table of a kind alone, so that an error names the table, or the option that is below the table.
 fn check_tables<T: serde::de::DeserializeOwned>(
     given: &toml::Table,
     known: &toml::Table,
@@ -259,7 +259,7 @@ fn check_tables<T: serde::de::DeserializeOwned>(
     Ok(())
 }
 
-/// Refuses a table of a tenant whose name no tenant can have.
+/// Refuses a table `[tenants.NAME]` if no tenant can have the name.
 fn check_names(given: &toml::Table) -> Result<(), toml::de::Error> {
     let names = given.get("tenants").and_then(toml::Value::as_table).into_iter().flat_map(toml::Table::keys);
     match names.into_iter().find(|name| !tenant::is_tenant(name)) {

@@ -20,7 +20,7 @@ use crate::clock::now_ms;
 
 /// Most bytes of the path of a call.
 const CALL: usize = 128;
-/// Most bytes of the reason of a refusal, which may contain texts of the client.
+/// Maximum bytes of the reason of a refusal, which may contain text of the client.
 const REASON: usize = 256;
 
 /// The log.
@@ -44,7 +44,7 @@ struct Line<'a> {
     #[serde(skip_serializing_if = "str::is_empty")]
     target: &'a str,
     code: String,
-    /// Why the call was refused.
+    /// Reason of the refusal.
     #[serde(skip_serializing_if = "str::is_empty")]
     reason: &'a str,
     /// Refused calls of the same address before this one that have no line.

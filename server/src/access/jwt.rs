@@ -93,7 +93,7 @@ impl Key {
     }
 }
 
-/// Why a token is refused.
+/// Reason why a token is refused.
 fn reason(kind: &ErrorKind) -> String {
     match kind {
         ErrorKind::ExpiredSignature => "it has expired (exp)".to_owned(),

@@ -89,7 +89,7 @@ type Note = Box<dyn FnOnce(Vec<String>) + Send>;
 #[derive(Default)]
 struct Targets {
     ids: Mutex<Vec<String>>,
-    /// The call has begun to change something.
+    /// Whether the call has begun to change something.
     begun: AtomicBool,
     note: Mutex<Option<Note>>,
 }
@@ -144,7 +144,7 @@ impl Caller {
         self.targets.begun.store(true, Ordering::SeqCst);
     }
 
-    /// Calls `note` with the targets when all work of the call is over. It gets none if no change has begun.
+    /// Calls `note` with the targets when all work of the call is over, or with no targets if no change has begun.
     pub(crate) fn note_at_the_end(&self, note: impl FnOnce(Vec<String>) + Send + 'static) {
         *self.targets.note.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(note));
     }

@@ -94,7 +94,7 @@ impl TokenCommand {
     }
 }
 
-/// A warning: `revoke` cannot take this name.
+/// Warns that `revoke` cannot take this name.
 fn not_unique(name: &str, same: usize) -> String {
     let tokens = if same == 1 { "another token has".to_owned() } else { format!("{same} other tokens have") };
     format!("{tokens} the name '{name}': `token revoke` needs the beginning of the digest, which `token list` shows")

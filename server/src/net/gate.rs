@@ -199,8 +199,8 @@ impl Gate {
     }
 }
 
-/// Why a call was refused, for the audit log: of an unknown or denied caller the message, otherwise the stable reason,
-/// since messages may quote contents of files.
+/// Reason of a refusal for the audit log. For an unknown or denied caller it is the message; otherwise it is the stable
+/// reason, because messages may quote contents of files.
 fn reason(status: &Status) -> String {
     match status.code() {
         Code::Ok => String::new(),

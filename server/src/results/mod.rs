@@ -121,7 +121,7 @@ pub(crate) struct Source<'a> {
     pub(crate) log: &'a Kept,
     /// Limit of the server that stopped the run; empty = none.
     pub(crate) limit: &'a str,
-    /// Making ends soon after the client has gone.
+    /// Making the result stops soon after the client has disconnected.
     pub(crate) gone: Gone,
 }
 

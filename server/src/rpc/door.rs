@@ -129,7 +129,7 @@ fn list<T>(field: &str, list: &[T], most: usize) -> Result<(), Refusal> {
     entries(field, list.len(), most)
 }
 
-/// The number of entries of a list that must not be empty, and whose limit is an option of the server.
+/// Checks the number of entries of a list that must not be empty and whose limit is an option of the server.
 pub(super) fn some_entries(field: &str, count: usize, most: usize, option: &str) -> Result<(), Refusal> {
     let rule = || format!("must have 1 to {most} entries (option {option} of the server), has {count}");
     if (1..=most).contains(&count) { Ok(()) } else { Err(Refusal::field(field, rule())) }
@@ -152,7 +152,7 @@ pub(super) fn chunk(data: &[u8]) -> Result<(), Refusal> {
     bytes(data, "send the content in smaller chunks")
 }
 
-/// The content of a blob in one message.
+/// Checks the content of a blob in one message.
 fn content(data: &[u8]) -> Result<(), Refusal> {
     bytes(data, "send the content with Upload, in chunks")
 }

@@ -46,7 +46,7 @@ async fn submitted(
     taken: Taken,
 ) -> Result<(Box<Record>, bool), Refusal> {
     let (core, noted) = (core.clone(), caller.clone());
-    // Until there is a new job, the line names none: the job that is run again does not change.
+    // The line names no job until the new job exists: the job that is run again does not change.
     caller.about_jobs(&[]);
     let submit = async move {
         let _taken = taken;

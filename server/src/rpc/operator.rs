@@ -126,8 +126,8 @@ fn attend(
     Ok(ReceiverStream::new(receive))
 }
 
-/// Answers a question, or declines it without an answer; false if it is closed. If the answer cannot be stored, the
-/// question stays open.
+/// Answers a question, or declines it if there is no answer; false if the question is closed. If the answer cannot be
+/// stored, the question stays open.
 async fn settle(core: &Core, live: &Live, id: u64, answer: Option<Answer>) -> Result<bool, Refusal> {
     let Some(Claimed { channel, question, dialog }) = live.desk().claim(id) else { return Ok(false) };
     let answer = answer.map(|answer| Answer { dialog, ..answer });

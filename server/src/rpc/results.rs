@@ -214,7 +214,7 @@ async fn document_of<T: Chunk>(core: &Arc<Core>, caller: &Caller, id: String, do
     Ok(stream(turn, move |out, _| Ok(out.write_all(&text)?)))
 }
 
-/// A job that has ended with results. Anything else in its folder is from a run that did not reach its end.
+/// A job that has ended with results. All other data in its folder is from a run that did not reach its end.
 fn ended(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
     let record = job(core, caller, id)?;
     if !record.state.ended() {

@@ -1,7 +1,7 @@
 //! Streams of contents in chunks, made by blocking work.
 //!
-//! *Invariants:* the work waits while the client does not read, and lets other work have its turn meanwhile; it fails
-//! soon after the client has gone.
+//! *Invariants:* while the client does not read, the work waits and passes its turn to other work. The work fails soon
+//! after the client has disconnected.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -18,15 +18,15 @@ use crate::jobs::renders::RenderTurn;
 use crate::log::reader::Gone;
 use crate::reason::Refusal;
 
-/// Bytes of a chunk in streams of the server.
+/// Maximum bytes of a chunk in streams from the server.
 pub(super) const CHUNK: usize = 64 * 1024;
 
-/// A response that is one chunk of a content.
+/// A response with one chunk of the content.
 pub(super) trait Chunk: Send + 'static {
     fn chunk(data: Bytes) -> Self;
 }
 
-/// Streams the output of `make` in chunks; `make` also learns whether the client has gone.
+/// Streams the output of `make` in chunks. `make` can check whether the client has disconnected.
 pub(super) fn stream<T: Chunk>(
     turn: RenderTurn,
     make: impl FnOnce(&mut dyn Write, &Gone) -> Result<(), Refusal> + Send + 'static,
@@ -44,12 +44,13 @@ pub(super) fn stream<T: Chunk>(
     Response::new(ReceiverStream::new(receive))
 }
 
-/// Makes a value before the stream begins; the turn goes on with it. `make` learns whether the client has gone.
+/// Makes a value before the stream begins, and returns the turn with it. `make` can check whether the client has
+/// disconnected.
 pub(super) async fn making<T: Send + 'static>(
     turn: RenderTurn,
     make: impl FnOnce(&Gone) -> Result<T, Refusal> + Send + 'static,
 ) -> Result<(T, RenderTurn), Refusal> {
-    // The call is dropped when its client goes.
+    // The call is dropped when its client disconnects.
     let call = Arc::new(());
     let gone = Arc::downgrade(&call);
     let gone: Gone = Arc::new(move || gone.strong_count() == 0);
@@ -65,7 +66,7 @@ struct Chunks<T> {
 }
 
 impl<T: Chunk> Chunks<T> {
-    /// Sends a message, without the turn while the client does not read.
+    /// Sends a message; gives up the turn while the client does not read.
     fn send(&mut self, message: Result<T, Status>) -> io::Result<()> {
         let message = match self.send.try_send(message) {
             Ok(()) => return Ok(()),

@@ -1,7 +1,7 @@
 //! Changes that must not stop halfway.
 //!
 //! *Invariant:* a change that has been handed over is completed, even if the client ends the call or its deadline
-//! passes. As long as the client waits the change is a part of its call, since a task of its own costs a wake-up.
+//! passes. While the client waits, the change runs within the call, because a separate task costs a wake-up.
 
 use std::pin::Pin;
 use std::task::{Context, Poll};
@@ -15,7 +15,7 @@ use crate::reason::Refusal;
 /// The rest of a change.
 type Work<T> = Pin<Box<dyn Future<Output = Result<T, Refusal>> + Send>>;
 
-/// A change in progress; the rest of it becomes a task when this is dropped.
+/// A change in progress. If it is dropped, the rest of the change becomes a separate task.
 pub(super) struct ToTheEnd<T: Send + 'static> {
     runtime: Handle,
     /// `None` after the end.
@@ -29,7 +29,7 @@ pub(super) fn to_the_end<T: Send + 'static>(
 ) -> ToTheEnd<T> {
     caller.begins();
     let caller = caller.clone();
-    // In a box, as each future around it would copy it.
+    // Boxed, because each enclosing future would otherwise copy the work.
     let work = Box::pin(work);
     let work = async move {
         let done = work.await;
