@@ -102,8 +102,8 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs on workers whose runs are to be suspended.
     fn suspended(&self) -> BTreeSet<String>;
 
-    /// Busy jobs whose runs use no processor time: they are suspended, stood at the last look, or are over, and only
-    /// their end is being stored.
+    /// Busy jobs whose runs use no processor time. They are suspended, were waiting at the last check, or have ended,
+    /// and only the end is still being stored.
     fn idle(&self) -> BTreeSet<String>;
 
     /// Number of jobs on workers.

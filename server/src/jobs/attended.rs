@@ -1,7 +1,7 @@
 //! The operator of a run: the desk of its job, and the ledger that keeps the outcomes of its questions.
 //!
-//! *Invariant:* the kernel continues after a question only when the outcome is stored, or when the run is to end. So a
-//! repeated run gets the same outcomes.
+//! *Invariant:* the kernel continues after a question only when the outcome is stored, or when the run is to end. A
+//! repeated run therefore gets the same outcomes.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -20,7 +20,7 @@ const PAUSE: Duration = Duration::from_millis(50);
 pub(super) struct Attended {
     pub(super) ledger: Arc<dyn Ledger>,
     pub(super) desk: Arc<Desk>,
-    /// Identity of the job.
+    /// Id of the job.
     pub(super) job: String,
 }
 

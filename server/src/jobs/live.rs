@@ -292,7 +292,7 @@ impl Live {
         self.desk().close();
     }
 
-    /// Whether the run is to end although its job goes on: a pause or the end of the server has stopped it.
+    /// Whether the run is to end but the job continues later: a pause or the end of the server has stopped the run.
     pub(super) fn will_be_repeated(&self) -> bool {
         self.stop().asked() && !self.cancelled() && self.reached().is_none()
     }

@@ -2,8 +2,8 @@
 //!
 //! Invariants:
 //! * A question is answered once, by the first client.
-//! * Every outcome of a question is stored before the kernel gets it, also that no client answered in time. An earlier
-//!   run's outcomes are given again in the same order, so a job that is run again gives the same log.
+//! * Every outcome of a question is stored before the kernel gets it, even if no client answered in time. A repeated
+//!   run gets the outcomes of the earlier run in the same order, so it gives the same log.
 //! * A question has the same id in every run, so a repeated answer reaches no other question.
 //! * No question outlives the run, and none waits longer than the patience of the server.
 
@@ -111,7 +111,7 @@ impl Desk {
         lock(&self.inner).open.values().filter(|open| open.answer.is_none()).count()
     }
 
-    /// Takes a question for an answer; `None` if it is closed.
+    /// Claims a question in order to answer it; `None` if the question is closed.
     pub(crate) fn claim(&self, id: u64) -> Option<Claimed> {
         let mut inner = lock(&self.inner);
         let open = inner.open.get_mut(&id).filter(|open| !open.claimed)?;
@@ -123,7 +123,7 @@ impl Desk {
         Some(claimed)
     }
 
-    /// Opens a claimed question again, because its answer could not be stored.
+    /// Opens a claimed question again after its answer could not be stored.
     pub(crate) fn release(&self, id: u64) {
         if let Some(open) = lock(&self.inner).open.get_mut(&id) {
             open.claimed = false;
@@ -150,11 +150,11 @@ fn number(id: u64) -> u64 {
     id & u64::from(u32::MAX)
 }
 
-/// A question that a client has taken.
+/// A question that a client has claimed.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Claimed {
     pub(crate) channel: u16,
-    /// Its number within the channel, from 1.
+    /// Number of the question within the channel, from 1.
     pub(crate) question: u64,
     /// The name of its dialog.
     pub(crate) dialog: String,
@@ -163,9 +163,9 @@ pub(crate) struct Claimed {
 /// How a question ends for its kernel.
 #[derive(Debug, PartialEq)]
 pub(super) enum Outcome {
-    /// With this answer, which is stored; `None` = declined.
+    /// The stored answer; `None` = declined.
     Answered(Option<Answer>),
-    /// No client answered in time. Not stored yet; the number is that of the question within its channel.
+    /// No client answered in time; this is not stored yet. The number is that of the question within its channel.
     Unanswered(u64),
     /// The run is to end.
     Closed,
@@ -177,7 +177,7 @@ impl Desk {
         lock(&self.inner).closed
     }
 
-    /// Puts a question and waits for its outcome.
+    /// Asks a question and waits for its outcome.
     pub(super) fn put(&self, question: &Question<'_>) -> Outcome {
         let mut inner = lock(&self.inner);
         let id = inner.next_id(question.channel);

@@ -59,7 +59,7 @@ impl Core {
     }
 }
 
-/// Logs the state to which a job returns that was at work when the server died.
+/// Logs the new state of a job that was at work when the server died.
 fn report(job: &Record) {
     let (id, error) = (&job.id, &job.error);
     match job.state {

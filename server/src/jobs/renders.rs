@@ -1,8 +1,8 @@
 //! Turns for making results: each tenant makes only a few results at the same time, and its other calls wait.
 //!
-//! Making a result reads the whole log of a job and takes processor time from jobs. The client may leave before it is
-//! made, so the limit on calls in progress does not bound this work. *Invariants:* a turn is held only while a result is
-//! being made, never while its client reads slowly; a tenant without turns takes no memory.
+//! Making a result reads the whole log of a job and takes processor time from jobs. The client may disconnect before
+//! the result is made, so the limit on calls in progress does not bound this work. *Invariants:* a turn is held only
+//! while a result is being made, never while its client reads slowly; a tenant without turns takes no memory.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ impl Renders {
     }
 }
 
-/// A turn to make a result. Dropping it lets the next call begin.
+/// A turn to make a result. When it is dropped, the next call begins.
 #[derive(Debug)]
 pub(crate) struct RenderTurn {
     all: Arc<Renders>,
@@ -52,7 +52,7 @@ impl RenderTurn {
         self.held = None;
     }
 
-    /// Waits until it is the turn of this call again.
+    /// Waits until this call has a turn again.
     pub(crate) async fn resume(&mut self) {
         // The semaphore is never closed.
         self.held = self.turns.clone().acquire_owned().await.ok();
@@ -62,7 +62,7 @@ impl RenderTurn {
 impl Drop for RenderTurn {
     fn drop(&mut self) {
         self.held = None;
-        // This turn and the map have one handle each.
+        // This turn and the map hold one handle each.
         self.all.tenants.remove_if(&self.tenant, |_, turns| Arc::strong_count(turns) <= 2);
     }
 }

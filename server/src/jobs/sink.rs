@@ -24,7 +24,8 @@ pub(crate) struct JobSink<'a> {
     pub(crate) files: WrittenFiles,
     /// The files have more bytes than the job may keep.
     pub(crate) dropped: bool,
-    /// Events came after a request that ends the run alone. They are not in the log: the repeated run has others there.
+    /// Whether events came after a request that ends only this run. They are not in the log, because the repeated run
+    /// has other events there.
     pub(crate) cut: bool,
     pub(crate) error: Option<io::Error>,
 }

@@ -401,8 +401,8 @@ fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Re
     Ok((finished, stored))
 }
 
-/// Stores results that can be made again; returns their bytes. That may take long: when the run is to end meanwhile, the
-/// rest is not stored. Results that are not stored are made from the log on request.
+/// Stores results that can be made again; returns their bytes. This may take long: if the run is to end meanwhile, the
+/// remaining results are not stored. Results that are not stored are made from the log on request.
 fn store_results(core: &Core, live: &Live, finished: Arc<Finished>) -> u64 {
     let (done, stored) = channel();
     let (logs, id, run) = (core.logs.clone(), live.id.clone(), live.run());
@@ -412,7 +412,7 @@ fn store_results(core: &Core, live: &Live, finished: Arc<Finished>) -> u64 {
         for document in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
             if let Some(text) = finished.document(document) {
                 logs.write_spare(&id, document.file(), &text, &still)?;
-                // The run has ended without this one if it does not listen.
+                // If the receiver is gone, the run has ended without this result.
                 let _ = done.send(text.len() as u64);
             }
         }

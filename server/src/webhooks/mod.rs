@@ -121,8 +121,8 @@ impl Webhooks {
         }
     }
 
-    /// Takes no more messages, and tries each remaining one once, all within a second. Returns the number of messages
-    /// that were not delivered.
+    /// Accepts no more messages and sends each remaining message once, all within a second. Returns the number of
+    /// undelivered messages.
     pub(crate) fn close(&self) -> usize {
         let lines = std::mem::take(&mut *self.lines.lock().unwrap_or_else(PoisonError::into_inner));
         if lines.is_empty() {

@@ -34,7 +34,7 @@ pub(super) struct Target {
     pub(super) tls: Option<(TlsConnector, ServerName<'static>)>,
     /// Messages that wait or are being sent.
     pub(super) waiting: AtomicUsize,
-    /// Messages given up while the server stops.
+    /// Number of messages given up while the server stops.
     pub(super) left: AtomicUsize,
     secret: hmac::Key,
     /// Tenants; none = all.
@@ -92,7 +92,7 @@ impl Target {
         of_tenant && record.state.ended() && (self.states.is_empty() || self.states.contains(&record.state))
     }
 
-    /// Messages that a server that has stopped did not deliver.
+    /// Number of messages that were undelivered when the server stopped.
     pub(super) fn undelivered(&self) -> usize {
         self.waiting.load(Ordering::Relaxed) + self.left.load(Ordering::Relaxed)
     }
