@@ -59,7 +59,7 @@ fn has_ledger(folder: &Path) -> Result<(), String> {
     })?;
     match folder.join("ledger.redb").try_exists() {
         Ok(false) => Err(format!("'{shown}' is not a data folder: it has no ledger (ledger.redb); check --data")),
-        // The copy reports any other error.
+        // The copy itself reports any other error.
         _ => Ok(()),
     }
 }

@@ -33,7 +33,7 @@ pub struct Damage {
     pub remedy: String,
     /// It is there no longer.
     pub repaired: bool,
-    /// Information for the operator instead of a damage.
+    /// Whether the line is information for the operator instead of damage.
     pub note: bool,
 }
 

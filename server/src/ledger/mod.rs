@@ -192,8 +192,8 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Accepts a job and gives it its identity, or finds the one accepted under the same request id.
     async fn submit(&self, job: Box<NewJob>, check: Check<Work>, accepted: Accepted) -> Result<Submitted, Refusal>;
 
-    /// Stores a new state of a job. Cancels and pauses that were stored before stay, here and in the next two calls that
-    /// store records; only an end ends a pause.
+    /// Stores a new state of a job. Cancels and pauses that were stored before are kept, here, in
+    /// [`Ledger::update_blocking`] and in [`Ledger::end`]; only the end of the job ends a pause.
     async fn update(&self, record: Record) -> Result<(), Refusal>;
 
     /// Stores new states of jobs, either all or none, from a thread that may block.

@@ -245,7 +245,7 @@ pub struct Reuse {
     /// The job whose run made the results; empty = this job has run itself.
     #[serde(rename = "reused_from", skip_serializing_if = "String::is_empty")]
     pub from: String,
-    /// Time at which that run ended, ms since 1970; 0 = a run of its own, or not known.
+    /// Time at which the reused run ended, ms since 1970; 0 = the job has a run of its own, or the time is unknown.
     #[serde(rename = "reused_ended_ms", skip_serializing_if = "unknown")]
     pub ended_ms: i64,
 }

@@ -18,7 +18,7 @@ pub(crate) struct Settled {
 }
 
 impl Work {
-    /// Adds the outcome of a question in place of an outcome that was stored for it without being acknowledged.
+    /// Adds the outcome of a question. It replaces an outcome that was stored for the question but not acknowledged.
     pub(crate) fn settle(&mut self, Settled { channel, question, answer }: Settled) {
         let mut number = 0;
         self.answers.retain(|(of, _)| {

@@ -71,7 +71,7 @@ impl Disk {
         Self { syncs: syncs.clone(), ..self }
     }
 
-    /// The disk for a command on a data folder: files that root makes belong to the owner of the folder.
+    /// The disk for a command on a data folder: files that root creates belong to the owner of the folder.
     pub(crate) fn for_owner_of(self, folder: &Path) -> Self {
         Self { owner: Owner::of(folder), ..self }
     }

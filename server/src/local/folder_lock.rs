@@ -25,7 +25,7 @@ impl FolderLock {
         Ok(Self(Some(file)))
     }
 
-    /// Takes the lock of a folder that is only read, and changes nothing. Without a lock file no server uses the folder.
+    /// Takes the lock of a folder to read it, without creating a file. Without a lock file no server uses the folder.
     pub(crate) fn of_a_reader(folder: &Path) -> io::Result<Self> {
         let path = folder.join("lock");
         match File::open(&path) {

@@ -1,4 +1,4 @@
-//! The owner of files that a command of root makes in the folder of another user.
+//! The owner of files that a command run by root creates in the folder of another user.
 //!
 //! *Invariant:* a file is given to the owner of the data folder through its open descriptor, so no link is followed.
 
@@ -11,7 +11,7 @@ use std::path::Path;
 pub(crate) struct Owner(Option<(u32, u32)>);
 
 impl Owner {
-    /// The owner of a folder, if the process runs as root and the folder is not of root.
+    /// The owner of a folder, if the process runs as root and the folder belongs to another user.
     #[cfg(unix)]
     pub(crate) fn of(folder: &Path) -> Self {
         use std::os::unix::fs::MetadataExt as _;

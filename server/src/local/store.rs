@@ -39,7 +39,7 @@ pub(crate) struct Store {
     marks: Arc<Marks>,
 }
 
-/// Closes the folder for all users but that of the server, and files in it that a command has made with another mode.
+/// Closes the folder, and files in it that a command has created with another mode, to all users except the server's.
 fn keep_private(root: &Path) {
     #[cfg(unix)]
     {

@@ -31,7 +31,7 @@ pub(crate) mod writer;
 
 /// Keeps the logs of jobs, and the other output of runs. All calls may block.
 pub(crate) trait Logs: Send + Sync + Debug {
-    /// A place for the log of a run that begins; log and results of a run before it are removed.
+    /// A place for the log of a run that begins; removes log and results of the previous run.
     fn begin(&self, id: &str) -> io::Result<Box<dyn writer::Place>>;
 
     /// The log of a job, unless it is small and in the ledger.
@@ -40,7 +40,7 @@ pub(crate) trait Logs: Send + Sync + Debug {
     /// Stores a result beside the log, whole or not at all.
     fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()>;
 
-    /// Same for a result that can be made again, if it is still wanted: a loss of power may take it.
+    /// Same for a result that can be made again, if it is still wanted. A power failure may lose the result.
     fn write_spare(&self, id: &str, name: &str, content: &[u8], wanted: &Wanted) -> io::Result<()>;
 
     /// A stored result. A damaged result that can be made again counts as missing.

@@ -201,7 +201,7 @@ fn behind(batch: Batch, after: u64) -> Batch {
     Batch { first: after + 1, last: batch.last, body: Bytes::from(body), spot: batch.spot }
 }
 
-/// Whether the client that waits for a read has gone.
+/// Whether the client that waits for a read has disconnected.
 pub(crate) type Gone = Arc<dyn Fn() -> bool + Send + Sync>;
 
 /// All events of an ended log, decoded. Ends early on damage, which [`Events::error`] then tells.
@@ -220,7 +220,7 @@ impl Events {
         Self { reader, batch: Vec::new().into_iter(), last: 0, expected, gone: None, error: None }
     }
 
-    /// The same events, up to the batch after which the client has gone.
+    /// The same events, up to the batch after which the client has disconnected.
     pub(crate) fn until(self, gone: Gone) -> Self {
         Self { gone: Some(gone), ..self }
     }

@@ -1,6 +1,6 @@
-//! Whether results that are stored beside the end of their job are still wanted.
+//! Whether results are still wanted that are stored while their job ends.
 //!
-//! *Invariant:* after [`Wanted::end`] nothing more is stored, so the folder of a job that is deleted does not come back.
+//! *Invariant:* after [`Wanted::end`] nothing more is stored, so the folder of a deleted job is not created again.
 
 use std::io;
 use std::sync::{Mutex, PoisonError};
@@ -16,7 +16,7 @@ impl Default for Wanted {
 }
 
 impl Wanted {
-    /// Ends the storing of results. Waits while a file gets its name.
+    /// Stops storing results. Waits while a file gets its name.
     pub(crate) fn end(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = false;
     }
@@ -24,7 +24,7 @@ impl Wanted {
     /// Gives a finished file its name.
     ///
     /// # Errors
-    /// Of kind `Interrupted` if the file is not wanted any more, and those of `store`.
+    /// `Interrupted` if the file is no longer wanted, and the errors of `store`.
     pub(crate) fn store(&self, store: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
         let wanted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if *wanted { store() } else { Err(io::ErrorKind::Interrupted.into()) }

@@ -1,4 +1,4 @@
-//! Cancels and pauses that are stored while the end of the run is on its way to the ledger.
+//! Cancels and pauses that are stored before the end of the run reaches the ledger.
 
 use std::sync::mpsc::channel;
 

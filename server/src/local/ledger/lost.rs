@@ -25,16 +25,16 @@ pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
     refused(store, what, &save)
 }
 
-/// A ledger whose pages are not sound: recommends a repair only if it would save rows. A problem of the host stays as
-/// it is.
+/// A ledger with damaged pages: recommends a repair only if it would save rows. Returns a problem of the host
+/// unchanged.
 pub(crate) fn damaged_by(store: &Store, why: Refusal) -> Refusal {
     let Refusal::DataLoss(why) = why else { return why };
     let what = format!("is damaged ({why})");
     if Saved::read(store).is_ok() { lost(store, &what) } else { lost_for_good(store, &what) }
 }
 
-/// A ledger that cannot be opened although its pages are sound: a repair saves nothing. A problem of the host stays as
-/// it is.
+/// A ledger that cannot be opened although its pages are intact: a repair saves nothing. Returns a problem of the host
+/// unchanged.
 pub(crate) fn unopened_by(store: &Store, why: Refusal) -> Refusal {
     match why {
         Refusal::DataLoss(why) => refused(store, &format!("cannot be opened ({why})"), ""),

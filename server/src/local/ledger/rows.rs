@@ -63,7 +63,7 @@ pub(super) fn clear(tables: &Tables<'_>, ids: &[String]) -> Result<(), Refusal> 
     Ok(())
 }
 
-/// Stores a new state of a job. A cancel or a pause that was stored after the caller had copied the record stays.
+/// Stores a new state of a job. A cancel or a pause that was stored after the caller copied the record is kept.
 pub(super) fn renew(tables: &Tables<'_>, mut record: Record) -> Result<(), Refusal> {
     // A damaged row is replaced.
     if let Ok(Some(stored)) = get(tables, &record.id) {
@@ -88,7 +88,7 @@ fn put_row(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Stores the row of a job; one that has ended is listed as such.
+/// Stores the row of a job; an ended job is added to the list of ended jobs.
 pub(super) fn put(tables: &Tables<'_>, record: &Record) -> Result<(), Refusal> {
     put_row(tables, record)?;
     if !record.state.ended() {
