@@ -645,7 +645,7 @@ fn the_token_and_the_authorities_come_from_the_environment() {
     let (status, talk) = list(&url, "COUNTERPOINT_TOKEN", "cpt_00");
     assert!(status == 3 && talk.contains("token is not known"), "{status} {talk}");
     assert!(talk.contains("the token came from COUNTERPOINT_TOKEN"), "{talk}");
-    // An empty variable is an absent one.
+    // An empty variable counts as absent.
     for name in ["COUNTERPOINT_CA", "COUNTERPOINT_TOKEN"] {
         let (status, talk) = list(&url, name, "");
         assert!(status == 3 && talk.contains("put a token for this server into COUNTERPOINT_TOKEN"), "{status} {talk}");
@@ -897,7 +897,8 @@ fn an_equal_job_on_a_server_has_the_results_of_the_first() {
     }
 }
 
-/// A script that repeats a submit learns that the job is not new, and a failed job says where its errors are.
+/// A script that repeats a submit learns that the job is not new. The status of a failed job names the command for its
+/// errors.
 #[test]
 fn a_repeated_submit_says_so_and_a_failed_job_names_the_command_that_shows_its_errors() {
     let folder = tempfile::tempdir().unwrap();

@@ -11,7 +11,7 @@ use tonic::Streaming;
 
 use crate::support::*;
 
-/// A bound for messages that arrive in any case.
+/// Maximum time for messages that arrive in any case.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 async fn attended(server: &Server, machine: &str, program: &str) -> String {
@@ -149,7 +149,7 @@ async fn events_before_a_question_are_delivered_while_the_question_is_open() {
     server.stop().await;
 }
 
-/// A pause closes an open question. This is not a dialog without an answer, so the log of the run tells nothing of it,
+/// A pause closes an open question. This is not a dialog without an answer, so the log of the run does not report it,
 /// and the repeated run asks again.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_question_that_a_pause_closes_leaves_no_event() {

@@ -216,7 +216,7 @@ async fn a_ledger_that_cannot_be_used_is_reported_with_the_way_out() {
     assert_eq!(command(folder.path(), &["--repair"]).0, Some(1));
 }
 
-/// The start and `doctor` recommend a repair only if it saves rows.
+/// The starting server and `doctor` recommend a repair only if it saves rows.
 #[tokio::test]
 async fn a_repair_is_recommended_only_if_it_saves_rows() {
     let folder = tempfile::tempdir().unwrap();
@@ -287,7 +287,7 @@ async fn a_ledger_that_has_grown_is_repaired_without_loss_and_each_damaged_one_i
     server.stop().await;
 }
 
-/// The server may not use files of root: those of a repair or a restore by root belong to the owner of the folder.
+/// The server may not use files of root, so files of a repair or a restore by root belong to the owner of the folder.
 #[cfg(unix)]
 #[tokio::test]
 async fn files_of_a_repair_and_a_restore_belong_to_the_owner_of_the_folder_alone() {
@@ -336,7 +336,7 @@ async fn files_of_a_repair_and_a_restore_belong_to_the_owner_of_the_folder_alone
     chown(&back, Some(USER), Some(USER)).unwrap();
     counterpoint_server::backup::restore(&data, &back, true).unwrap();
     of_user(&back);
-    // A start closes files that an earlier repair has left open.
+    // When the server starts, it closes files that an earlier repair has left open.
     std::fs::set_permissions(&ledger, std::fs::Permissions::from_mode(0o644)).unwrap();
     let server = Server::start(options(&data)).await;
     assert_eq!(ledger.metadata().unwrap().permissions().mode() & 0o777, 0o600);

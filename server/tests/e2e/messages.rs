@@ -98,7 +98,7 @@ async fn a_chunk_that_is_too_large_is_refused_with_the_remedy_for_its_call() {
     server.stop().await;
 }
 
-/// A job that had been running before it waited again was run.
+/// The refusal does not claim that a job was never run if the job ran before it waited again.
 #[tokio::test]
 async fn a_job_that_was_cancelled_while_it_waited_has_no_results_whether_it_had_run_or_not() {
     let folder = tempfile::tempdir().unwrap();

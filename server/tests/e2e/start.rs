@@ -240,7 +240,7 @@ fn a_data_folder_that_cannot_exist_and_a_pipe_as_a_file_of_identities_are_refuse
     assert!(code == Some(2) && text.contains("(option access): is not a regular file"), "{text}");
 }
 
-/// A line of the log stays one line.
+/// A line break in a value does not break a line of the log.
 #[cfg(unix)]
 #[test]
 fn a_line_break_in_the_data_folder_breaks_no_line_of_the_log() {

@@ -1,4 +1,4 @@
-//! Data that a run left behind without reaching its end: they are results of no job.
+//! Data of a run that did not reach its end are not results of a job.
 
 use std::fs;
 
@@ -7,8 +7,8 @@ use counterpoint_server::options::Options;
 
 use crate::support::*;
 
-/// The server stops after the run of a job has stored everything but its end. The next server cancels the job before it
-/// runs again.
+/// The server stops after the run of a job has stored everything except its end. The next server cancels the job before
+/// the job runs again.
 #[tokio::test(flavor = "multi_thread")]
 async fn results_of_a_run_that_did_not_end_are_not_served() {
     let folder = tempfile::tempdir().unwrap();

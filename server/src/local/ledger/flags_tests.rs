@@ -33,7 +33,7 @@ impl Bench {
         self.runtime.block_on(self.ledger.flag_paused(self.copy.id.clone(), paused)).unwrap();
     }
 
-    /// Stores the end that the worker has made of its copy.
+    /// Stores the end that the worker has written to its copy.
     fn end(&self, state: State) {
         let (answer, answered) = channel();
         let mut record = Record { state, ..self.copy.clone() };

@@ -174,7 +174,7 @@ fn operation(random: &mut Random, twin: &Twin, step: usize) -> Operation {
             if let Some(job) = random.one(&open) {
                 let state = [State::Succeeded, State::Failed, State::Cancelled][random.below(3)];
                 let mut record = Record { state, ended_ms: 86_400_000 + step as i64, ..(*job).clone() };
-                // Perhaps copied before a cancel or a pause was stored.
+                // The record may have been copied before a cancel or a pause was stored.
                 (record.cancel, record.paused) =
                     (job.cancel && random.below(2) == 0, job.paused && random.below(2) == 0);
                 record.runs.stored_bytes = random.below(1000) as u64;
