@@ -27,11 +27,12 @@ wait $server
 [ "$(stat -c '%U' $data/ledger.redb 2>/dev/null || stat -c '%U' $data/lock)" = counterpoint ]
 echo "ok: ran a job"
 
-# The commands and the configuration of docs/security.md, with a free port; they need a certificate.
+# The commands and the configuration of docs/security.md, with a free port; they need a certificate and a secret.
 if command -v openssl >/dev/null; then
     fence() { sed -n "/^## Files/,/^## Identities/{/^\`\`\`$1\$/,/^\`\`\`\$/{/^\`\`\`/d;p}}" /run/security.md; }
     openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=localhost -addext subjectAltName=DNS:localhost \
         -addext basicConstraints=critical,CA:FALSE -keyout key.pem -out cert.pem 2>/dev/null
+    echo 0123456789abcdef0123456789abcdef >mes.secret
     fence sh >/tmp/guard.sh
     sh -e /tmp/guard.sh >/tmp/token
     fence toml | sed 's/0.0.0.0:7878/127.0.0.1:0/' >/etc/counterpoint/counterpointd.toml
