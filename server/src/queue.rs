@@ -103,7 +103,7 @@ pub(crate) trait Queue: Send + Debug {
     fn suspended(&self) -> BTreeSet<String>;
 
     /// Busy jobs whose runs use no processor time. They are suspended, were waiting at the last check, or have ended,
-    /// and only the end is still being stored.
+    /// and the end has been in storage for some time.
     fn idle(&self) -> BTreeSet<String>;
 
     /// Number of jobs on workers.

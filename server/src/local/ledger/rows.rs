@@ -3,6 +3,7 @@
 //! Invariant: a row and its lists, counts and work change in the same transaction.
 
 use redb::{ReadableTable, TableHandle as _};
+use serde::Deserialize;
 use uuid::Uuid;
 
 use super::tables::Tables;
@@ -66,11 +67,25 @@ pub(super) fn clear(tables: &Tables<'_>, ids: &[String]) -> Result<(), Refusal> 
 /// Stores a new state of a job. A cancel or a pause that was stored after the caller copied the record is kept.
 pub(super) fn renew(tables: &Tables<'_>, mut record: Record) -> Result<(), Refusal> {
     // A damaged row is replaced.
-    if let Ok(Some(stored)) = get(tables, &record.id) {
+    if let Ok(Some(stored)) = flags(tables, &record.id) {
         record.cancel |= stored.cancel;
         record.paused = stored.paused && !record.state.ended();
     }
     put(tables, &record)
+}
+
+/// The requests of clients about a job, in its row.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Flags {
+    cancel: bool,
+    paused: bool,
+}
+
+fn flags(tables: &Tables<'_>, id: &str) -> Result<Option<Flags>, Refusal> {
+    let table = tables.job()?;
+    let row = table.get(id).map_err(storage)?;
+    row.map(|row| parse(JOB, id, row.value())).transpose()
 }
 
 /// Stores that the cancel of a job was accepted, even if its end has been stored meanwhile.

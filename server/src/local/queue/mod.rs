@@ -19,6 +19,8 @@ use turns::Run;
 
 /// Most jobs whose end is being stored while others have their workers.
 const MOST_STORING: usize = 64;
+/// Time for which the end of a job is stored before its run counts as idle. Most ends take less.
+const LONG_STORED: Duration = Duration::from_millis(50);
 /// Jobs that wait, and who has a place.
 #[derive(Debug, Default)]
 pub(crate) struct LocalQueue {
@@ -41,7 +43,9 @@ pub(crate) struct LocalQueue {
     /// Number of the last turn or arrival.
     last_number: u64,
     /// Jobs whose run is over and whose end is being stored.
-    storing: BTreeSet<String>,
+    storing: BTreeMap<String, Instant>,
+    /// Time of the last look at the queue.
+    looked: Option<Instant>,
 }
 
 impl LocalQueue {
@@ -151,6 +155,7 @@ impl Queue for LocalQueue {
 
     fn next(&mut self, look: &Look<'_>) -> Option<String> {
         self.charge(look);
+        self.looked = Some(look.now);
         match self.next_suspect(look) {
             Some(id) => Some(id),
             None if self.suspects.runs_alone() => None,
@@ -161,7 +166,7 @@ impl Queue for LocalQueue {
     fn store(&mut self, id: &str, now: Instant) {
         if self.storing.len() < MOST_STORING {
             self.free(id, now);
-            self.storing.insert(id.to_owned());
+            self.storing.insert(id.to_owned(), now);
         }
     }
 
@@ -225,7 +230,10 @@ impl Queue for LocalQueue {
 
     fn idle(&self) -> BTreeSet<String> {
         let idle = self.running.iter().filter(|run| !run.works());
-        idle.map(|run| run.id.clone()).chain(self.storing.iter().cloned()).collect()
+        let late =
+            |since: &Instant| self.looked.is_some_and(|now| now.saturating_duration_since(*since) >= LONG_STORED);
+        let stored = self.storing.iter().filter(|(_, since)| late(since));
+        idle.map(|run| &run.id).chain(stored.map(|(id, _)| id)).cloned().collect()
     }
 
     fn workers(&self) -> usize {
@@ -233,7 +241,7 @@ impl Queue for LocalQueue {
     }
 
     fn busy(&self) -> BTreeSet<String> {
-        self.running.iter().map(|run| run.id.clone()).chain(self.storing.iter().cloned()).collect()
+        self.running.iter().map(|run| run.id.clone()).chain(self.storing.keys().cloned()).collect()
     }
 }
 
