@@ -1,5 +1,6 @@
 //! The source files of a crate, parsed. Code that only tests see does not count.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A file of a crate.
@@ -8,7 +9,7 @@ pub(crate) struct Code {
     pub(crate) path: String,
     /// Path of its module in the crate: `channel::scan` for `src/channel/scan.rs`.
     pub(crate) module: Vec<String>,
-    pub(crate) lines: usize,
+    pub(crate) text: String,
     pub(crate) file: syn::File,
 }
 
@@ -58,7 +59,7 @@ pub(crate) fn files(root: &Path, crate_: &str) -> Result<Vec<Code>, String> {
             module.pop();
         }
         let shown = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
-        codes.push(Code { path: shown, module, lines: text.lines().count(), file });
+        codes.push(Code { path: shown, module, text, file });
     }
     // Modules that are declared for tests only, with all below them.
     let tests: Vec<Vec<String>> = codes.iter().flat_map(test_modules).collect();
@@ -72,4 +73,39 @@ fn test_modules(code: &Code) -> Vec<Vec<String>> {
         _ => None,
     });
     declared.map(|name| [code.module.clone(), vec![name]].concat()).collect()
+}
+
+/// Folders that hold no text of the project.
+const FOREIGN: [&str; 4] = ["target", "node_modules", ".git", "out"];
+
+/// Texts of the repository whose names end like this, by their paths with slashes.
+pub(crate) fn texts(root: &Path, ends: &[&str]) -> Result<BTreeMap<String, String>, String> {
+    let mut open = vec![root.to_owned()];
+    let mut texts = BTreeMap::new();
+    while let Some(folder) = open.pop() {
+        let entries = std::fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        for path in entries.flatten().map(|entry| entry.path()) {
+            let foreign = path.file_name().is_some_and(|name| FOREIGN.iter().any(|foreign| name == *foreign));
+            if path.is_dir() && !foreign {
+                open.push(path);
+            } else if path.extension().is_some_and(|end| ends.iter().any(|known| end == *known)) {
+                // A text in another encoding is for a machine, which reads it itself.
+                let text = String::from_utf8_lossy(
+                    &std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?,
+                )
+                .into_owned();
+                let shown = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+                texts.insert(shown, text);
+            }
+        }
+    }
+    Ok(texts)
+}
+
+/// Names of the machines of the repository.
+pub(crate) fn machines(root: &Path) -> Result<BTreeSet<String>, String> {
+    let folder = root.join("machines");
+    let entries = std::fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let folders = entries.flatten().filter(|entry| entry.path().is_dir());
+    Ok(folders.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect())
 }

@@ -12,7 +12,7 @@ Usage: cargo xtask TASK
   ci      Run everything a change must pass (.ci/run)
   spec    Run the specification pages and scenarios only; spec FILTER those whose name contains it
   bench   Run the benchmarks of the kernel
-  tidy    Check floors, cycles, and sizes of files and types; --update rewrites the list of exceptions
+  tidy    Check floors, circles, sizes, names, wording and repeats; --update rewrites the list of exceptions
   deny    Check licences, banned crates and sources of everything that is built (deny.toml)
   doc     Build the documentation of the code, with warnings as errors
   package Make the Debian package and the .tar.gz of both programs in target/package; package FOLDER takes the programs

@@ -1,4 +1,4 @@
-//! Which modules of a crate use which, read off the paths in the code, and the cycles among them.
+//! Which modules and files of a crate use which, read off the paths in the code, and the cycles among them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,32 +8,39 @@ use syn::visit::{self, Visit};
 
 use crate::code::{Code, is_test};
 
-/// Arrows from each first-level module to others of the crate.
+/// Arrows from each module to others of the crate.
 pub(crate) type Arrows = BTreeMap<String, BTreeSet<String>>;
 
-/// Collects the first-level modules that a file names.
-struct Uses<'c> {
+/// Collects the paths into the crate that a file names, from the root of the crate.
+pub(crate) struct Uses<'c> {
     module: &'c [String],
-    found: BTreeSet<String>,
+    found: BTreeSet<Vec<String>>,
 }
 
-impl Uses<'_> {
-    /// A path as it is written: its first names.
+impl<'c> Uses<'c> {
+    /// The paths that a file names.
+    pub(crate) fn of(code: &'c Code) -> BTreeSet<Vec<String>> {
+        let mut uses = Uses { module: &code.module, found: BTreeSet::new() };
+        uses.visit_file(&code.file);
+        uses.found
+    }
+
+    /// A path as it is written: its first names. Inline modules are left out: none of the crates has modules in files
+    /// besides those of tests.
     fn path(&mut self, names: &[String]) {
         let Some(first) = names.first() else { return };
-        let target = match first.as_str() {
-            "crate" => names.get(1).cloned(),
+        let found = match first.as_str() {
+            "crate" => names.get(1..).unwrap_or_default().to_vec(),
+            "self" => [self.module, names.get(1..).unwrap_or_default()].concat(),
             "super" => {
                 let ups = names.iter().take_while(|name| *name == "super").count();
-                // Inline modules are left out: none of the crates has modules in files besides those of tests.
-                match self.module.len().checked_sub(ups) {
-                    Some(0) => names.get(ups).cloned(),
-                    _ => None,
-                }
+                let Some(above) = self.module.len().checked_sub(ups) else { return };
+                let above = self.module.get(..above).unwrap_or_default();
+                [above, names.get(ups..).unwrap_or_default()].concat()
             }
-            _ => None,
+            _ => return,
         };
-        self.found.extend(target);
+        self.found.insert(found);
     }
 
     fn tree(&mut self, before: &[String], tree: &syn::UseTree) {
@@ -76,10 +83,25 @@ pub(crate) fn arrows(codes: &[Code]) -> Arrows {
     let mut arrows = Arrows::new();
     for code in codes {
         let Some(own) = code.module.first() else { continue };
-        let mut uses = Uses { module: &code.module, found: BTreeSet::new() };
-        uses.visit_file(&code.file);
-        let others = uses.found.into_iter().filter(|found| found != own && modules.contains(found));
+        let uses = Uses::of(code).into_iter().filter_map(|path| path.into_iter().next());
+        let others = uses.filter(|found| found != own && modules.contains(found));
         arrows.entry(own.clone()).or_default().extend(others);
+    }
+    arrows
+}
+
+/// The arrows between the files of a crate, by their modules. A module and those below it are one family: arrows between
+/// them are left out.
+pub(crate) fn file_arrows(codes: &[Code]) -> Arrows {
+    let modules: BTreeSet<&[String]> = codes.iter().map(|code| code.module.as_slice()).collect();
+    let mut arrows = Arrows::new();
+    for code in codes.iter().filter(|code| !code.module.is_empty()) {
+        let others = Uses::of(code).into_iter().filter_map(|path| {
+            let module = (1..=path.len()).rev().filter_map(|n| path.get(..n)).find(|part| modules.contains(part))?;
+            let family = module.starts_with(&code.module) || code.module.starts_with(module);
+            (!family).then(|| module.join("::"))
+        });
+        arrows.entry(code.module.join("::")).or_default().extend(others);
     }
     arrows
 }
@@ -115,7 +137,12 @@ mod tests {
 
     fn code(module: &[&str], text: &str) -> Code {
         let file = syn::parse_file(text).expect("it parses");
-        Code { path: String::new(), module: module.iter().map(|&m| m.to_owned()).collect(), lines: 0, file }
+        Code {
+            path: String::new(),
+            module: module.iter().map(|&m| m.to_owned()).collect(),
+            text: text.to_owned(),
+            file,
+        }
     }
 
     #[test]
@@ -131,5 +158,17 @@ mod tests {
         let of = |name: &str| arrows[name].iter().map(String::as_str).collect::<Vec<_>>();
         assert_eq!((of("a"), of("b"), of("c"), of("d")), (vec!["b", "c", "d"], vec!["c"], vec!["a"], vec![]));
         assert_eq!(cycles(&arrows), [["a", "b", "c"]]);
+    }
+
+    #[test]
+    fn files_are_in_a_circle_unless_they_are_parent_and_child() {
+        let codes = [
+            code(&["a"], "use self::left::X; use crate::b;"),
+            code(&["a", "left"], "use super::right::Y; use super::Own;"),
+            code(&["a", "right"], "fn f() { crate::a::left::g(); }"),
+            code(&["b"], "use crate::a::right::deep::Z;"),
+            code(&["a", "right", "deep"], "use super::Y;"),
+        ];
+        assert_eq!(cycles(&file_arrows(&codes)), [["a::left", "a::right"]]);
     }
 }
