@@ -110,8 +110,11 @@ fn measure_crate(name: &str, codes: &[Code], found: &mut Exceptions) -> Types {
     for module in modules::cycles(&modules::arrows(codes)).into_iter().flatten() {
         found.note("cycles", format!("{name}: {module}"), 1);
     }
-    let circles = modules::cycles(&modules::file_arrows(codes));
-    found.note("circles", name, circles.iter().map(Vec::len).sum());
+    for circle in modules::cycles(&modules::file_arrows(codes)) {
+        for module in &circle {
+            found.note("circles", format!("{name}: {module}"), circle.len());
+        }
+    }
     let lines: usize = codes.iter().map(|code| code.text.lines().count()).sum();
     found.note("crates", name, lines.div_ceil(1000));
     let types = counts::types(codes);

@@ -11,11 +11,9 @@ use tokio::sync::watch;
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until, timeout};
 
-use super::measure::{Measured, Stretch, lock};
+use super::measure::{Measured, Stretch, UNFINISHED, lock};
 use super::mix::{Job, Mix};
 
-/// Reason of jobs that were still in progress when patience was at its end.
-pub(super) const UNFINISHED: &str = "UNFINISHED";
 /// Reason of jobs that were due while too many others were in progress.
 const NOT_SENT: &str = "NOT_SENT";
 /// Most jobs in progress at a rate.

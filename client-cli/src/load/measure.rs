@@ -13,6 +13,9 @@ use tokio::time::Instant;
 
 use super::process::Sample;
 
+/// Reason of jobs that were still in progress when patience was at its end.
+pub(super) const UNFINISHED: &str = "UNFINISHED";
+
 /// Stretches of the life of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stretch {
@@ -186,7 +189,7 @@ impl Measured {
     /// Counts an error by its reason.
     pub(super) fn error(&mut self, reason: &str) {
         self.count(|counts| counts.errors += 1);
-        if self.in_window(Instant::now()) || reason == super::drive::UNFINISHED {
+        if self.in_window(Instant::now()) || reason == UNFINISHED {
             *self.errors.entry(reason.to_owned()).or_default() += 1;
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! *Invariant:* an alarm that a shipped machine shows is in the list; the test compares both.
 
-use super::explain::without_links;
+use super::links::without_links;
 
 const LIST: &str = include_str!("../../../docs/alarms.md");
 

@@ -13,6 +13,7 @@ use include_dir::{Dir, include_dir};
 
 use super::alarms::listed;
 use super::kinds::kind;
+use super::links::without_links;
 use super::terms::terms;
 use crate::error::Error;
 use crate::say;
@@ -108,26 +109,6 @@ pub(crate) fn remedy_for(number: u32, kind: &str) -> Option<String> {
         kinds.split(", ").any(|one| one == quoted).then(|| text.trim_end_matches('.').to_owned())
     });
     of_kind.or_else(|| remedy(number))
-}
-
-/// Text of a page with `[text](address)` as `text`.
-pub(crate) fn without_links(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some((before, link)) = rest.split_once('[') {
-        out.push_str(before);
-        match link.split_once("](").and_then(|(name, after)| Some((name, after.split_once(')')?.1))) {
-            Some((name, after)) if !name.contains(['[', '`']) => {
-                out.push_str(name);
-                rest = after;
-            }
-            _ => {
-                out.push('[');
-                rest = link;
-            }
-        }
-    }
-    out + rest
 }
 
 /// The name in upper case, as the tables write it; a function or variable also without its dollar sign.

@@ -8,6 +8,7 @@ mod check;
 mod explain;
 mod fmt;
 mod kinds;
+mod links;
 mod run;
 mod sandbox;
 mod standalone;
@@ -23,7 +24,8 @@ use crate::{say, standard_input};
 #[cfg(test)]
 pub(crate) use alarms::rows as alarm_rows;
 use arguments::Macro;
-pub(crate) use explain::{diagnostic, explain, explanation, remedy, remedy_for, unknown, without_links};
+pub(crate) use explain::{diagnostic, explain, explanation, remedy, remedy_for, unknown};
+pub(crate) use links::without_links;
 
 /// Executes a command and returns the exit code.
 pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {

@@ -4,6 +4,7 @@
 //! defaults included.
 
 mod components;
+mod grid;
 mod groups;
 mod json;
 mod macros;

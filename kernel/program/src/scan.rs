@@ -425,3 +425,8 @@ fn starts_word(line: &[u8], at: usize) -> bool {
     line.get(at).is_some_and(u8::is_ascii_alphabetic)
         && matches!(line.get(at + 1), Some(b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'['))
 }
+
+/// Where a text occurs in a line from a position on.
+fn find(line: &[u8], from: usize, text: &[u8]) -> Option<usize> {
+    memchr::memmem::find(line.get(from..)?, text).map(|at| at + from)
+}

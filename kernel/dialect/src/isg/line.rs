@@ -328,7 +328,10 @@ fn hash(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake> {
             let _ = cursor.word("WAIT") || cursor.word("CONTINUE");
             Item::Idle
         }
-        "MSG" => message::read(cursor, text)?,
+        "MSG" => {
+            let (text, values) = message::read(cursor, text)?;
+            Item::Message(text, values)
+        }
         _ => {
             cursor.at = start;
             cursor.run(|_| true);

@@ -8,8 +8,7 @@
 use counterpoint_fault as diag;
 
 use super::cursor::{Cursor, Mistake};
-use super::expr::Reader;
-use super::line::Item;
+use super::expr::{Expr, Reader};
 use super::{Fault, Outcome};
 
 /// Most characters of a value.
@@ -18,8 +17,8 @@ const WIDEST: usize = 60;
 /// Words between `#MSG` and its text: the modes, and the receiver of the message.
 const BEFORE: [&str; 8] = ["SYN", "ASYN", "INFO", "SAVE", "HMI", "DIAG", "PLC", "DISK"];
 
-/// Reads the text after `#MSG`; `text` is the block as it was written.
-pub(super) fn read(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake> {
+/// Reads the text after `#MSG` and its values; `text` is the block as it was written.
+pub(super) fn read(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<(String, Vec<Expr>), Mistake> {
     while BEFORE.iter().any(|word| cursor.word(word)) {}
     let bracket = cursor.take(b'[');
     if cursor.peek() != Some(b'"') {
@@ -37,7 +36,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>, text: &[u8]) -> Result<Item, Mistake
     if bracket {
         cursor.expect(b']', "']'")?;
     }
-    Ok(Item::Message(String::from_utf8_lossy(message).into_owned(), values))
+    Ok((String::from_utf8_lossy(message).into_owned(), values))
 }
 
 /// The text with its values.

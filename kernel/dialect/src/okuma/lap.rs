@@ -10,7 +10,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 
 use super::Okuma;
-use super::line::normal;
+use super::names::normal;
 use super::text::{Prepared, prepare};
 use crate::host::{Host, Shape};
 

@@ -7,7 +7,7 @@
 use super::cursor::{Cursor, Mistake};
 use super::expr::{Expr, Own, Reader, Variable, name_text, number_text};
 use super::lap::Lap;
-use super::names::{self, Local};
+use super::names::{self, Local, normal};
 use super::text::Prepared;
 use crate::statement::{RETURN, Shared, Statements};
 use crate::words::{Span, part, span};
@@ -468,16 +468,6 @@ fn loop_number(cursor: &mut Cursor<'_>) -> Option<u8> {
     cursor.peek();
     let number = cursor.run(|byte| byte.is_ascii_digit()).parse().ok()?;
     cursor.peek().is_none().then_some(number)
-}
-
-/// A sequence number or program name as it is compared: zeros before a number do not count.
-pub(super) fn normal(name: &str) -> String {
-    let name = name.to_ascii_uppercase();
-    if name.bytes().all(|byte| byte.is_ascii_digit()) {
-        let number = name.trim_start_matches('0');
-        return if number.is_empty() { "0".to_owned() } else { number.to_owned() };
-    }
-    name
 }
 
 #[cfg(test)]

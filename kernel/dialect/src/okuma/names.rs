@@ -124,6 +124,16 @@ pub(super) fn common(name: &str) -> Option<(Family, Option<f64>)> {
     digits.then(|| (family, number.parse().ok()))
 }
 
+/// A sequence number or program name as it is compared: zeros before a number do not count.
+pub(super) fn normal(name: &str) -> String {
+    let name = name.to_ascii_uppercase();
+    if name.bytes().all(|byte| byte.is_ascii_digit()) {
+        let number = name.trim_start_matches('0');
+        return if number.is_empty() { "0".to_owned() } else { number.to_owned() };
+    }
+    name
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,8 @@
 //! with Q depends on a setting that macros of the machine make. So with macros that number counts as computed.
 
 use super::lap::{self, Lap};
-use super::line::{Head, Item, Line, Statement, Target, Wanted, normal, read};
+use super::line::{Head, Item, Line, Statement, Target, Wanted, read};
+use super::names::normal;
 use super::text::prepare;
 use super::{Okuma, line};
 use crate::host::Programs;

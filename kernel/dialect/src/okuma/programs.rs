@@ -5,8 +5,9 @@
 //! after it, then in the files of subprograms (`.SSB`, `.SUB`, `.LIB`), first beside the main program, then among those
 //! stored with the machine. Invariant: the order of files is that of their ids, so the same job finds the same text.
 
-use super::line::{Head, Wanted, is_header, normal, read};
+use super::line::{Head, Wanted, is_header, read};
 use super::loops::{Loops, Open};
+use super::names::normal;
 use super::text::prepare;
 use crate::kept::Table;
 use crate::search::{Labels, Search};

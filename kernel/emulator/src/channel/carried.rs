@@ -11,8 +11,8 @@ use rustc_hash::FxHashMap;
 
 use super::Kernel;
 use super::components::Turns;
+use super::dialect_state::DialectState;
 use super::flow::Flow;
-use super::parts::DialectState;
 use crate::macros::runtime::Runtime;
 use crate::state::State;
 use crate::state::burden::Burden;

@@ -12,7 +12,7 @@ use counterpoint_lang::compile::Program;
 use counterpoint_machine::Machine;
 use counterpoint_machine::preprocessor::Preprocessor;
 
-use super::parts::DialectState;
+use super::dialect_state::DialectState;
 use super::plan::Plan;
 use crate::macros::runtime::Runtime;
 

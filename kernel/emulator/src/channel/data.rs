@@ -5,7 +5,7 @@
 use std::borrow::Cow;
 
 use super::Kernel;
-use super::plan::Source;
+use super::plan::{RECALLED, Source};
 use crate::state::channel::Handed;
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
@@ -16,9 +16,6 @@ use counterpoint_machine::index::DataRowId;
 use counterpoint_machine::number::written;
 use counterpoint_machine::rows::Point;
 use counterpoint_program::block::{Datum, Word};
-
-/// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
-pub(crate) const RECALLED: u128 = 1 << 127;
 
 /// Reasons why nothing may take a value of the block.
 const NOT_PROCESSED: &str = "its row is not processed";

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::Kernel;
 use super::actions::{Action, Actions};
 use super::custom_macro::CodeCalls;
-use super::data::RECALLED;
 use super::hook_points::HookPoints;
 use super::refusals::Refusals;
 use counterpoint_event::event::Motion;
@@ -22,6 +21,9 @@ use counterpoint_program::scan::Scanner;
 use counterpoint_program::syntax::Syntax;
 use counterpoint_program::tape::Tape;
 use counterpoint_program::visible::Marks;
+
+/// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
+pub(crate) const RECALLED: u128 = 1 << 127;
 
 /// Compiled form of the machine for the block loop.
 pub struct Plan {

@@ -14,7 +14,7 @@ use counterpoint_machine::macros::model::Hook;
 
 use crate::channel::Kernel;
 use crate::channel::components::Resting;
-use crate::channel::parts::DialectState;
+use crate::channel::dialect_state::DialectState;
 use crate::state::arc::Arcs;
 use crate::state::cycle::Cycle;
 use crate::state::modal::{Modal, group};

@@ -15,7 +15,8 @@ use crate::toml::node::{Entry, Node, Place, Table, Value};
 use crate::toml::section::Section;
 use counterpoint_lang::ident::minor_code;
 
-use super::chain::{FILE, Merged, is_plain, row_name};
+use super::chain::{FILE, Merged, is_plain};
+use super::row_name::row_name;
 
 /// Most components of a machine.
 const MOST: usize = 99;

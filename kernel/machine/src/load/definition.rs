@@ -4,7 +4,8 @@
 //! every key of a file is there, also one that the machine as loaded no longer has.
 
 use super::build;
-use super::chain::{self, Merged, row_name};
+use super::chain::{self, Merged};
+use super::row_name::row_name;
 use super::{questionnaire, waits};
 use crate::finding::Finding;
 use crate::model::Machine;

@@ -36,6 +36,7 @@ mod questionnaire;
 mod questions;
 mod refusals;
 mod registers;
+mod row_name;
 mod signs;
 mod spindles;
 mod storage;

@@ -3,8 +3,8 @@
 //! Invariant: a row that the file gives itself wins over an answer, and every row made here carries the place of its
 //! answer, so that findings and tables name it. Facts: reference control-emulator.md 1.1.
 
-use super::chain::row_name;
 use super::questions::{Kind, Question, SUBJECTS};
+use super::row_name::row_name;
 use crate::toml::check::Check;
 use crate::toml::node::{Entry, Node, Place, Table, Value};
 use crate::toml::section::Section;

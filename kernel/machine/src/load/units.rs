@@ -74,5 +74,5 @@ fn is_in_system(row: &Table, system: &str) -> bool {
 }
 
 fn name(row: &Table) -> Option<String> {
-    super::chain::row_name("codes", row)
+    super::row_name::row_name("codes", row)
 }

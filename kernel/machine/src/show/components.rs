@@ -5,7 +5,7 @@
 
 use serde_json::{Value, json};
 
-use super::text::Grid;
+use super::grid::Grid;
 use crate::model::Machine;
 
 /// The components with their definitions; a machine that is not a composite is its only component, without a name.

@@ -4,7 +4,7 @@
 
 use serde_json::{Value, json};
 
-use super::text::Grid;
+use super::grid::Grid;
 use super::{is_alias, sorted_codes, word, written};
 use crate::model::Machine;
 use crate::rows::CodeRow;

@@ -4,7 +4,8 @@
 
 use serde_json::{Value, json};
 
-use super::text::{Grid, dash, yes};
+use super::grid::Grid;
+use super::text::{dash, yes};
 use crate::macros::condition::{Condition, Item, Step};
 use crate::macros::model::{FIRST_HOOK_ID, Hook, Named};
 use crate::model::Machine;

@@ -4,7 +4,8 @@
 
 use serde_json::{Value, json};
 
-use super::text::{Grid, dash};
+use super::grid::Grid;
+use super::text::dash;
 use crate::index::RegisterId;
 use crate::model::Machine;
 use crate::refusals::{Active, Refusal, Written};

@@ -2,6 +2,7 @@
 //!
 //! Invariant: columns are separated by two blanks and lines have none at their end.
 
+use super::grid::Grid;
 use super::{register, word, written};
 use crate::ident::kind::CodeKind;
 use crate::ident::{CodeId, codes};
@@ -9,48 +10,6 @@ use crate::index::RegisterId;
 use crate::model::paths::Threads;
 use crate::model::{CallHow, Cycles, Machine, WordCall};
 use crate::rows::{CodeForm, NumberFormat};
-
-/// Rows of cells with a heading, aligned to the left.
-pub(super) struct Grid(Vec<Vec<String>>);
-
-impl Grid {
-    pub(super) fn new(heading: &[&str]) -> Self {
-        Self(vec![heading.iter().map(|cell| (*cell).to_owned()).collect()])
-    }
-
-    pub(super) fn row<const N: usize>(&mut self, cells: [String; N]) {
-        self.0.push(cells.into());
-    }
-
-    /// Stacks grids with the same columns, with their names in a first column.
-    pub(super) fn below<'n>(grids: impl Iterator<Item = (&'n str, Grid)>, heading: &str) -> Self {
-        let mut all: Vec<Vec<String>> = Vec::new();
-        for (name, Grid(rows)) in grids {
-            let first = usize::from(!all.is_empty());
-            for (at, mut row) in rows.into_iter().enumerate().skip(first) {
-                row.insert(0, if at == 0 { heading } else { name }.to_owned());
-                all.push(row);
-            }
-        }
-        Self(all)
-    }
-
-    pub(super) fn text(&self) -> String {
-        let columns = self.0.iter().map(Vec::len).max().unwrap_or(0);
-        let width = |column: usize| {
-            self.0.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
-        };
-        let widths: Vec<usize> = (0..columns).map(width).collect();
-        let mut text = String::new();
-        for row in &self.0 {
-            let cells: Vec<String> =
-                row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}", width = *width)).collect();
-            text.push_str(cells.join("  ").trim_end());
-            text.push('\n');
-        }
-        text
-    }
-}
 
 pub(super) fn dash(text: impl Into<String>) -> String {
     let text = text.into();

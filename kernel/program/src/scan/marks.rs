@@ -2,8 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.5, 5.6. Invariant: a mark inside a comment or message has no effect.
 
-use super::Scanner;
-use super::passed::find;
+use super::{Scanner, find};
 use crate::block::Block;
 use crate::key_words::{Names, key_word};
 use crate::syntax::Syntax;

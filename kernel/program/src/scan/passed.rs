@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 5.5 (block delete), 5.6 (comments). Invariant: a mark inside a comment or
 //! message has no effect.
 
-use super::{Scanner, marks};
+use super::{Scanner, find, marks};
 use crate::block::{Block, irregular};
 use crate::spot::{self, Remark};
 
@@ -140,8 +140,4 @@ impl Scanner {
         self.delimiters()
             .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))
     }
-}
-
-pub(super) fn find(line: &[u8], from: usize, what: &[u8]) -> Option<usize> {
-    memchr::memmem::find(line.get(from..)?, what).map(|at| at + from)
 }

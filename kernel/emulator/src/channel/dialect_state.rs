@@ -1,0 +1,39 @@
+//! The dialect of a channel, with its memory.
+//!
+//! *Invariant:* the interpreter is away only while it runs.
+
+use super::left_words::LeftWords;
+use super::variables::ChannelVariables;
+use counterpoint_dialect::{Dialect, Interpreter, MadeBlocks};
+use counterpoint_machine::Machine;
+
+/// The dialect of a channel.
+pub(crate) struct DialectState {
+    /// Which dialect.
+    pub(crate) kind: &'static dyn Dialect,
+    /// Numbered variables.
+    pub(crate) variables: ChannelVariables,
+    /// Interpreter of statements other than plain words; it is `None` while it runs.
+    pub(crate) interpreter: Option<Box<dyn Interpreter>>,
+    /// Programs that the interpreter has read are out of date; the interpreter is notified when it is put back.
+    pub(crate) is_stale: bool,
+    /// Blocks of the cycle that is executed; only their memory is kept from one to the next.
+    pub(crate) cycle_blocks: MadeBlocks,
+    /// Words that the interpreter leaves.
+    pub(crate) left: LeftWords,
+}
+
+impl DialectState {
+    /// The dialect of a machine, with its interpreter if it `executes`.
+    pub(crate) fn new(machine: &Machine, executes: bool) -> Self {
+        let kind = counterpoint_dialect::of(machine);
+        Self {
+            kind,
+            variables: ChannelVariables::new(&machine.variables),
+            interpreter: if executes { kind.interpreter(machine) } else { None },
+            is_stale: false,
+            cycle_blocks: MadeBlocks::default(),
+            left: LeftWords::default(),
+        }
+    }
+}
