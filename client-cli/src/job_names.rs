@@ -5,10 +5,10 @@
 use std::fmt::Write as _;
 
 use counterpoint_proto::v1;
+use counterpoint_server::utc::instant;
 
 use crate::client::Client;
 use crate::error::Error;
-use crate::instant::instant;
 use crate::job_status::{labels, programs, state_name};
 
 /// Minimum number of characters of the beginning of an id.

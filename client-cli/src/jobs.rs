@@ -4,11 +4,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use counterpoint_client::JobUpdate;
 use counterpoint_proto::v1;
+use counterpoint_server::utc::{date_and_time, instant};
 
 use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
 use crate::client::{Client, Submitted};
 use crate::error::Error;
-use crate::instant::{date_and_time, instant};
 use crate::job_status::{as_json, labels, programs, ran_ms, simulated, state_name};
 use crate::text::{table, time};
 use crate::{job_names, say};

@@ -21,7 +21,6 @@ mod explain;
 mod fields;
 mod findings;
 mod guess;
-mod instant;
 mod job_names;
 mod job_status;
 mod jobs;

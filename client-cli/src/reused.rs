@@ -1,10 +1,10 @@
 //! Jobs that have the results of an equal job instead of a run.
 
 use counterpoint_proto::v1;
+use counterpoint_server::utc::instant;
 
 use crate::client::Client;
 use crate::error::Error;
-use crate::instant::instant;
 
 /// Characters of an id in a printed line; commands accept this prefix.
 const SHORT: usize = 18;

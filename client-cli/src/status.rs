@@ -1,11 +1,11 @@
 //! `counterpoint status`: the data of a server about one job.
 
 use counterpoint_proto::v1;
+use counterpoint_server::utc::instant;
 
 use crate::arguments::Status;
 use crate::client::Client;
 use crate::error::Error;
-use crate::instant::instant;
 use crate::job_status::{as_json, labels, programs, ran_ms, simulated, simulated_label, state_name};
 use crate::jobs::now_ms;
 use crate::outcome::errors;

@@ -42,7 +42,7 @@ mod spans;
 pub mod start_threads;
 mod tenant;
 mod trace;
-mod utc;
+pub mod utc;
 mod webhooks;
 
 pub use ledger::record::Record;

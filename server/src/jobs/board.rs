@@ -21,7 +21,7 @@ use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::memory::Memory;
 use crate::queue::{Entry, Look, Queue, Ticket};
 use crate::reason::Refusal;
-use crate::utc::utc;
+use crate::utc::instant;
 
 /// First and longest pause before a job is run again after the host has failed its run.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
@@ -463,7 +463,7 @@ impl Core {
 
 /// Why a job ends at its deadline.
 pub(super) fn late(deadline: i64) -> String {
-    format!("the job had not ended at its deadline, {}", utc(deadline))
+    format!("the job had not ended at its deadline, {} UTC", instant(deadline))
 }
 
 #[cfg(test)]
