@@ -18,6 +18,8 @@ type Work<T> = Pin<Box<dyn Future<Output = Result<T, Refusal>> + Send>>;
 /// A change in progress. If it is dropped, the rest of the change becomes a separate task.
 pub(super) struct ToTheEnd<T: Send + 'static> {
     runtime: Handle,
+    /// Dropped after the work: the audit log gets the line of the call then.
+    caller: Caller,
     /// `None` after the end.
     work: Option<Work<T>>,
 }
@@ -28,15 +30,8 @@ pub(super) fn to_the_end<T: Send + 'static>(
     work: impl Future<Output = Result<T, Refusal>> + Send + 'static,
 ) -> ToTheEnd<T> {
     caller.begins();
-    let caller = caller.clone();
-    // Boxed, because each enclosing future would otherwise copy the work.
-    let work = Box::pin(work);
-    let work = async move {
-        let done = work.await;
-        drop(caller);
-        done
-    };
-    ToTheEnd { runtime: Handle::current(), work: Some(Box::pin(work.in_current_span())) }
+    let work: Work<T> = Box::pin(work.in_current_span());
+    ToTheEnd { runtime: Handle::current(), caller: caller.clone(), work: Some(work) }
 }
 
 impl<T: Send + 'static> Future for ToTheEnd<T> {
@@ -56,7 +51,11 @@ impl<T: Send + 'static> Future for ToTheEnd<T> {
 impl<T: Send + 'static> Drop for ToTheEnd<T> {
     fn drop(&mut self) {
         if let Some(work) = self.work.take() {
-            self.runtime.spawn(work);
+            let caller = self.caller.clone();
+            self.runtime.spawn(async move {
+                let _ = work.await;
+                drop(caller);
+            });
         }
     }
 }
