@@ -26,7 +26,8 @@ impl Core {
             let jobs = died.at_work;
             tracing::warn!(
                 jobs,
-                "the last server died while these jobs were at work: each of them runs alone at first"
+                "the last server died while these jobs were at work: look for the cause at the end of its log; each of \
+                 them runs alone at first"
             );
         }
         let mut changed = Vec::new();
@@ -63,8 +64,16 @@ impl Core {
 fn report(job: &Record) {
     let (id, error) = (&job.id, &job.error);
     match job.state {
-        State::Failed => tracing::warn!(job = id, tenant = job.tenant, "given up: {error}"),
-        State::Queued => tracing::warn!(job = id, crashes = job.runs.crashes.at_work, "suspect: it waits to run alone"),
+        State::Failed => tracing::warn!(
+            job = id,
+            tenant = job.tenant,
+            "given up: {error}; look for the cause at the end of the log of that server before you run it again"
+        ),
+        State::Queued => tracing::warn!(
+            job = id,
+            crashes = job.runs.crashes.at_work,
+            "suspect: it waits to run alone; cancel it if it must not run again"
+        ),
         state => tracing::info!(job = id, ?state, "recovered"),
     }
 }

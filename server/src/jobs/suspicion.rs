@@ -29,7 +29,7 @@ impl Core {
     pub(super) fn clear(&self, queue: &mut Waiting) {
         let cleared = queue.jobs.take_cleared();
         for live in cleared.iter().filter_map(|id| self.live(id)) {
-            tracing::warn!(job = live.id, "no longer a suspect: other jobs run beside it");
+            tracing::warn!(job = live.id, "no longer a suspect: other jobs run beside it, no action is needed");
             live.change(|record| record.runs.suspect = false);
         }
         queue.cleared.extend(cleared);

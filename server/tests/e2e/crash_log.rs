@@ -17,12 +17,20 @@ async fn connected(server: &Process) -> Channel {
 
 /// Submits a job and waits until it runs.
 async fn running(server: &Process) -> String {
+    let job = submit(server, "endless").await;
+    while status(server, &job).await.state() != v1::JobState::Running {
+        tokio::task::yield_now().await;
+    }
+    job
+}
+
+async fn submit(server: &Process, request_id: &str) -> String {
     let channel = connected(server).await;
     let upload = v1::UploadRequest { digest: digest(ENDLESS), data: ENDLESS.into(), size: None };
     BlobsClient::new(channel.clone()).upload(tokio_stream::iter([upload])).await.unwrap();
     let limits = v1::JobLimits { blocks: 1_000_000_000, simulated_ns: i64::MAX, ..Default::default() };
     let request = v1::SubmitJobRequest {
-        request_id: "endless".into(),
+        request_id: request_id.into(),
         machine: "fanuc-mill".into(),
         programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
         files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(ENDLESS) }],
@@ -30,11 +38,7 @@ async fn running(server: &Process) -> String {
         ..Default::default()
     };
     let mut jobs = JobsClient::new(channel);
-    let job = jobs.submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
-    while status(server, &job).await.state() != v1::JobState::Running {
-        tokio::task::yield_now().await;
-    }
-    job
+    jobs.submit_job(request).await.unwrap().into_inner().status.unwrap().job_id
 }
 
 async fn status(server: &Process, job: &str) -> v1::JobStatus {
@@ -51,13 +55,20 @@ async fn the_log_and_the_status_name_a_job_that_runs_alone_and_the_end_of_that()
     drop(server);
     let server = Process::start(folder.path());
     let warning = |line: &str| assert!(line.contains("WARN"), "{line}");
-    warning(&server.until("the last server died while these jobs were at work").await);
-    warning(&server.until(&format!("suspect: it waits to run alone job=\"{job}\"")).await);
-    warning(&server.until(&format!("runs alone after a crash: other jobs wait job=\"{job}\"")).await);
+    let cause = "the last server died while these jobs were at work: look for the cause at the end of its log";
+    warning(&server.until(cause).await);
+    let remedy = "cancel it if it must not run again";
+    warning(&server.until(&format!("suspect: it waits to run alone; {remedy} job=\"{job}\"")).await);
+    let remedy = "cancel it if they must not wait";
+    warning(&server.until(&format!("runs alone after a crash: other jobs wait; {remedy} job=\"{job}\"")).await);
     assert!(status(&server, &job).await.suspect);
     let workers = AdminClient::new(connected(&server).await).list_workers(v1::ListWorkersRequest {}).await;
     assert!(workers.unwrap().into_inner().workers.iter().all(|worker| worker.suspect));
-    warning(&server.until(&format!("no longer a suspect: other jobs run beside it job=\"{job}\"")).await);
+    warning(
+        &server
+            .until(&format!("no longer a suspect: other jobs run beside it, no action is needed job=\"{job}\""))
+            .await,
+    );
     assert!(!status(&server, &job).await.suspect);
 }
 
@@ -70,6 +81,7 @@ async fn the_log_says_that_a_job_is_given_up() {
     let server = Process::start_with(folder.path(), &["--attempts", "1"]);
     let line = server.until("given up: poison: the server died 1 times while this job ran alone").await;
     assert!(line.contains("WARN") && line.contains(&job), "{line}");
+    assert!(line.contains("look for the cause at the end of the log of that server before you run it again"), "{line}");
     let status = status(&server, &job).await;
     assert!(status.state() == v1::JobState::Failed && !status.suspect, "{status:?}");
 }

@@ -130,7 +130,11 @@ impl LocalQueue {
             let Suspect { id, tenant, .. } = self.suspects.first(look.now)?;
             self.suspects.alone = Some(Alone { id: id.clone(), since: look.now });
             let longest = self.suspects.left.get(&id).copied().unwrap_or_default();
-            tracing::warn!(job = id, ?longest, "runs alone after a crash: other jobs wait");
+            tracing::warn!(
+                job = id,
+                ?longest,
+                "runs alone after a crash: other jobs wait; cancel it if they must not wait"
+            );
             started = Some(self.begin(id, tenant, look.now));
         }
         let alone = self.suspects.alone.as_ref()?;
