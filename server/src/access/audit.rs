@@ -1,7 +1,8 @@
 //! The audit log: caller, call and outcome, one JSON object per line.
 //!
 //! Calls that change something and refused ones are in it; of the refused calls of a stranger only the first ones of a
-//! minute. Contents of files and tokens never are. Invariant: a line is written whole before the answer leaves.
+//! minute. Contents of files and tokens never are. Invariants: a line is written whole before the answer leaves; each
+//! target of a change has a line before the change is made.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
@@ -23,6 +24,9 @@ const CALL: usize = 128;
 /// Maximum bytes of the reason of a refusal, which may contain text of the client.
 const REASON: usize = 256;
 
+/// Code of the lines about changes that are about to be made.
+const ASKED: &str = "Asked";
+
 /// The log.
 #[derive(Debug)]
 pub(crate) struct Audit {
@@ -32,7 +36,7 @@ pub(crate) struct Audit {
     strangers: Mutex<Strangers>,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct Line<'a> {
     time_ms: i64,
     /// Of several calls without lines, the address or network alone.
@@ -50,6 +54,24 @@ struct Line<'a> {
     /// Refused calls of the same address before this one that have no line.
     #[serde(skip_serializing_if = "is_zero")]
     left_out: u64,
+}
+
+impl<'a> Line<'a> {
+    /// The line of a call now.
+    fn of(identity: Option<&'a Identity>, call: &'a str) -> Self {
+        Self {
+            time_ms: now_ms(),
+            peer: "",
+            identity: identity.map(|identity| identity.name.as_str()),
+            tenant: identity.map(|identity| identity.tenant.as_str()),
+            role: identity.map(|identity| identity.role),
+            call: cut(call, CALL),
+            target: "",
+            code: String::new(),
+            reason: "",
+            left_out: 0,
+        }
+    }
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
@@ -71,7 +93,7 @@ fn open(path: &Path) -> std::io::Result<File> {
 }
 
 /// Whether a call changes something.
-fn changes(call: &str) -> bool {
+pub(crate) fn changes(call: &str) -> bool {
     matches!(calls::needs(call), calls::Needs::Role(role) if role > Role::Read)
 }
 
@@ -111,6 +133,13 @@ impl Audit {
         self.note_of(peer, caller.map(|caller| &*caller.identity), call, &targets, outcome);
     }
 
+    /// Notes the targets of a change before it is made.
+    pub(crate) fn note_asked(&self, peer: SocketAddr, identity: &Identity, call: &str, targets: &[String]) {
+        let line = Line { code: ASKED.to_owned(), ..Line::of(Some(identity), call) };
+        let peer = &*peer.to_string();
+        targets.iter().for_each(|target| self.write(&Line { peer, target, ..line.clone() }));
+    }
+
     fn note_of(
         &self,
         peer: SocketAddr,
@@ -135,21 +164,11 @@ impl Audit {
                 Some((_, before)) => left_out = before,
             }
         }
-        let (peer, call, reason) = (&*peer.to_string(), cut(call, CALL), cut(reason, REASON));
+        let (peer, reason) = (&*peer.to_string(), cut(reason, REASON));
+        let line = Line { peer, code: format!("{code:?}"), reason, left_out, ..Line::of(identity, call) };
         let none = [String::new()];
         for target in if targets.is_empty() { &none[..] } else { targets } {
-            self.write(&Line {
-                time_ms: now_ms(),
-                peer,
-                identity: identity.map(|identity| identity.name.as_str()),
-                tenant: identity.map(|identity| identity.tenant.as_str()),
-                role: identity.map(|identity| identity.role),
-                call,
-                target,
-                code: format!("{code:?}"),
-                reason,
-                left_out,
-            });
+            self.write(&Line { target, ..line.clone() });
         }
     }
 
@@ -163,18 +182,8 @@ impl Audit {
 
     fn left_out(&self, (address, left_out): LeftOut) {
         let address = address.map(|address| address.to_string());
-        self.write(&Line {
-            time_ms: now_ms(),
-            peer: address.as_deref().unwrap_or("other addresses"),
-            identity: None,
-            tenant: None,
-            role: None,
-            call: "",
-            target: "",
-            code: String::new(),
-            reason: "",
-            left_out,
-        });
+        let peer = address.as_deref().unwrap_or("other addresses");
+        self.write(&Line { peer, left_out, ..Line::of(None, "") });
     }
 
     fn write(&self, line: &Line<'_>) {

@@ -21,7 +21,7 @@ use std::collections::HashMap;
 use std::net::IpAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use http::{HeaderMap, HeaderValue};
@@ -82,6 +82,9 @@ pub(crate) struct Caller {
     targets: Arc<Targets>,
 }
 
+/// Writes the changes that a call is about to make to the audit log.
+type Asked = Box<dyn Fn(&[String]) + Send + Sync>;
+
 /// Writes the end of a call with its targets to the audit log.
 type Note = Box<dyn FnOnce(Vec<String>) + Send>;
 
@@ -89,6 +92,7 @@ type Note = Box<dyn FnOnce(Vec<String>) + Send>;
 #[derive(Default)]
 struct Targets {
     ids: Mutex<Vec<String>>,
+    asked: OnceLock<Asked>,
     /// Whether the call has begun to change something.
     begun: AtomicBool,
     note: Mutex<Option<Note>>,
@@ -139,9 +143,22 @@ impl Caller {
         self.lock().clone()
     }
 
-    /// Records that the call begins to change something.
+    /// Records that the call begins to change its targets.
     pub(crate) fn begins(&self) {
         self.targets.begun.store(true, Ordering::SeqCst);
+        self.asks(&self.targets());
+    }
+
+    /// Records that the call is about to change these targets: the audit log names them before the change.
+    pub(crate) fn asks(&self, targets: &[String]) {
+        if let Some(asked) = self.targets.asked.get() {
+            asked(targets);
+        }
+    }
+
+    /// Calls `asked` with the targets of each change before it is made.
+    pub(crate) fn note_before(&self, asked: impl Fn(&[String]) + Send + Sync + 'static) {
+        let _ = self.targets.asked.set(Box::new(asked));
     }
 
     /// Calls `note` with the targets when all work of the call is over, or with no targets if no change has begun.

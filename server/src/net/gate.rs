@@ -16,7 +16,7 @@ use tonic_types::StatusExt as _;
 use super::held::Ended;
 use super::tls::Tls;
 use super::web::Web;
-use crate::access::audit::Audit;
+use crate::access::audit::{Audit, changes};
 use crate::access::calls::Needs;
 use crate::access::fair::{Stay, Turn};
 use crate::access::strangers::SPAN;
@@ -190,6 +190,17 @@ impl Gate {
         if let Some(audit) = &self.audit {
             audit.note_unanswered(peer, identity, path, targets);
         }
+    }
+
+    /// Lets the audit log name each change of a call before the change is made.
+    pub(super) fn note_before(self: &Arc<Self>, peer: SocketAddr, caller: &Caller, path: &str) {
+        if self.audit.is_none() || !changes(path) {
+            return;
+        }
+        let (gate, identity, path) = (self.clone(), caller.identity.clone(), path.to_owned());
+        caller.note_before(move |targets| {
+            gate.audit.iter().for_each(|audit| audit.note_asked(peer, &identity, &path, targets));
+        });
     }
 
     fn note(&self, peer: SocketAddr, caller: Option<&Caller>, path: &str, outcome: (Code, &str)) {

@@ -317,6 +317,7 @@ async fn answer(
         return Ok(refused.map(|body| Held::new(body, call, None, None)));
     }
     let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
+    caller.iter().for_each(|caller| peer.gate.note_before(peer.address, caller, &path));
     let unanswered = Unanswered::new(peer.clone(), caller.clone(), path.clone());
     let mut stay = None;
     let response = {

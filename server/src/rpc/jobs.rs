@@ -48,6 +48,7 @@ async fn submitted(
     let (core, noted) = (core.clone(), caller.clone());
     // The line names no job until the new job exists: the job that is run again does not change.
     caller.about_jobs(&[]);
+    caller.asks(&[format!("request {}", job.record.request_id)]);
     let submit = async move {
         let _taken = taken;
         let (record, duplicate) = core.submit(job).await?;

@@ -111,6 +111,7 @@ pub(super) async fn each(
 async fn act_on(core: &Arc<Core>, caller: &Caller, ids: Vec<String>, act: Act) -> (Vec<String>, Option<Refusal>) {
     let (mut done, mut failed) = (Vec::new(), None);
     for group in ids.chunks(TOGETHER) {
+        caller.asks(group);
         let mut tasks = JoinSet::new();
         for (at, id) in group.iter().cloned().enumerate() {
             let core = core.clone();

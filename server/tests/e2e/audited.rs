@@ -22,8 +22,13 @@ pub fn audited(folder: &Path) -> (Options, PathBuf) {
     (options, audit)
 }
 
-/// The lines of a log: identity, call, target and code.
+/// The lines about outcomes: identity, call, target and code.
 pub fn lines(audit: &Path) -> Vec<(String, String, String, String)> {
+    all_lines(audit).into_iter().filter(|(.., code)| code != "Asked").collect()
+}
+
+/// All lines of a log, with the same fields.
+pub fn all_lines(audit: &Path) -> Vec<(String, String, String, String)> {
     let text = std::fs::read_to_string(audit).unwrap();
     let of = |line: &Value, key: &str| line[key].as_str().unwrap_or_default().to_owned();
     let line = |line: &str| {

@@ -10,7 +10,7 @@ use counterpoint_server::local::disk::{Disk, Faults, Step};
 use counterpoint_server::options::Options;
 use tokio::sync::Notify;
 
-use crate::audited::{audited, lines};
+use crate::audited::{all_lines, audited, lines};
 use crate::guarded::*;
 use crate::support::*;
 
@@ -162,5 +162,54 @@ async fn a_change_whose_client_leaves_is_made_whole_and_noted_with_its_job() {
     let cut = Cut::start(options, &token).await;
     assert!(!cut.status(&held).await.paused);
     assert_eq!(cut.status(&running).await.state(), v1::JobState::Cancelled);
+    cut.server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_audit_log_names_each_change_before_it_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let (options, audit) = audited(folder.path());
+    let token = grant(&options, "one", "one", Role::Operate);
+    let cut = Cut::start(Options { workers: 1, ..options }, &token).await;
+    let plain = v1::JobOptions::default;
+    let running = cut.submit("running", "EVENTS 9\nHANG", plain()).await;
+    cut.until(&running, |status| status.state() == v1::JobState::Running).await;
+    let (a, b) = (cut.submit("a", "EVENTS 3", plain()).await, cut.submit("b", "EVENTS 4", plain()).await);
+    let asked = |call: &str| -> Vec<String> {
+        let asked = all_lines(&audit).into_iter().filter(|(_, name, _, code)| name == call && code == "Asked");
+        asked.map(|(_, _, target, _)| target).collect()
+    };
+    let requests = ["request running", "request a", "request b"];
+    assert_eq!(asked("Jobs/SubmitJob"), requests, "a job has no id before it is accepted");
+
+    // A server that is killed while its disk holds the changes has written these lines.
+    let queued = || Some(v1::JobFilter { states: vec![v1::JobState::Queued.into()], ..Default::default() });
+    let mut jobs = cut.caller.jobs();
+    let cancel = v1::CancelJobsRequest { filter: queued(), ..Default::default() };
+    cut.gate.set(true);
+    let call = tokio::spawn(async move { jobs.cancel_jobs(cancel).await });
+    cut.gate.held.notified().await;
+    assert_eq!(asked("Jobs/CancelJobs"), [b.as_str(), &a]);
+    let outcomes = || lines(&audit).into_iter().filter(|(_, call, ..)| call == "Jobs/CancelJobs").count();
+    assert_eq!(outcomes(), 0, "no change has been made");
+    cut.gate.set(false);
+    assert_eq!(call.await.unwrap().unwrap().into_inner().job_ids, [b.as_str(), &a]);
+    assert_eq!(outcomes(), 2);
+
+    let mut jobs = cut.caller.jobs();
+    let all = v1::DeleteJobsRequest { all: true, ..Default::default() };
+    let dry = v1::DeleteJobsRequest { dry_run: true, ..all.clone() };
+    jobs.delete_jobs(dry).await.unwrap();
+    assert!(asked("Jobs/DeleteJobs").is_empty(), "a dry run changes nothing");
+    cut.gate.set(true);
+    let call = tokio::spawn(async move { jobs.delete_jobs(all).await });
+    cut.gate.held.notified().await;
+    assert_eq!(asked("Jobs/DeleteJobs"), [b.as_str(), &a]);
+    cut.gate.set(false);
+    call.await.unwrap().unwrap();
+
+    let (mut jobs, job_id) = (cut.caller.jobs(), running.clone());
+    cut.call(async move { jobs.cancel_job(v1::CancelJobRequest { job_id }).await }).await;
+    assert_eq!(asked("Jobs/CancelJob"), [running]);
     cut.server.stop().await;
 }

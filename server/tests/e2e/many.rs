@@ -153,6 +153,7 @@ async fn a_call_for_many_jobs_reaches_those_of_its_tenant_and_the_audit_log_name
     let text = std::fs::read_to_string(audit).unwrap();
     let lines = text.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
     let of_call = lines.filter(|line| line["call"].as_str().unwrap().ends_with("/DeleteJobs"));
+    let of_call = of_call.filter(|line| line["code"] != "Asked");
     let rows: Vec<_> =
         of_call.map(|line| format!("{} {} {}", line["identity"], line["target"], line["code"])).collect();
     let expected = [
