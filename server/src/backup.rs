@@ -14,6 +14,7 @@ use uuid::Uuid;
 use crate::doctor::examine;
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
+use crate::local::folder_lock::FolderLock;
 use crate::local::ledger::checkup::{Checkup, copy_ledger};
 use crate::local::owner::Owner;
 use crate::local::store::Store;
@@ -26,6 +27,8 @@ const PATIENCE: Duration = Duration::from_secs(30);
 const COPYING: Duration = Duration::from_secs(600);
 /// Between two looks for the copy.
 const LOOK: Duration = Duration::from_millis(50);
+/// Between two checks that a server still uses the folder.
+const LOOK_FOR_SERVER: Duration = Duration::from_secs(1);
 
 /// The content of a backup.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,19 +109,33 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
 /// Asks the server that uses a folder for a copy of its ledger.
 fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
     let request = folder.join("tmp").join(format!("backup-{}", Uuid::now_v7()));
-    let ready = request.with_extension("ready");
+    let (copy, ready) = (request.with_extension("copy"), request.with_extension("ready"));
     File::create(&request)?;
-    let until = Instant::now() + PATIENCE;
-    while !ready.is_file() {
-        // A server that has taken the request is still copying; one that was started again has dropped it.
-        let late = Instant::now().saturating_duration_since(until);
-        if !late.is_zero() && (fs::remove_file(&request).is_ok() || late > COPYING) {
-            return Err(Refusal::Storage("the server that uses the folder does not answer".to_owned()));
+    let (asked, mut looked) = (Instant::now(), Instant::now());
+    let failure = loop {
+        if ready.is_file() {
+            copy_file(&ready, to, Owner::default())?;
+            return Ok(fs::remove_file(&ready)?);
+        }
+        // Each of these files exists before the previous one is removed, and a server removes all of them at its start.
+        if ![&request, &copy, &ready].into_iter().any(|file| file.exists()) {
+            return Err(Refusal::Storage("the server has been restarted since: run the backup again".to_owned()));
+        }
+        // A server that starts while this process holds the lock would be refused.
+        if looked.elapsed() >= LOOK_FOR_SERVER {
+            looked = Instant::now();
+            if FolderLock::of_a_reader(folder).is_ok() {
+                break "the server has ended since: run the backup again";
+            }
+        }
+        let patience = if copy.exists() { PATIENCE + COPYING } else { PATIENCE };
+        if asked.elapsed() > patience {
+            break "the server that uses the folder does not answer: check its log, then run the backup again";
         }
         std::thread::sleep(LOOK);
-    }
-    copy_file(&ready, to, Owner::default())?;
-    Ok(fs::remove_file(&ready)?)
+    };
+    [request, copy, ready].iter().for_each(|file| drop(fs::remove_file(file)));
+    Err(Refusal::Storage(failure.to_owned()))
 }
 
 /// Puts a backup back as the data folder `to`, which must be new or empty; one with damages only if `damaged` allows

@@ -65,6 +65,42 @@ async fn a_backup_of_a_running_server_has_every_job_and_finishes_those_that_had_
     server.stop().await;
 }
 
+/// The server of a folder takes the lock and empties `tmp` at its start.
+#[tokio::test]
+async fn a_backup_whose_server_restarts_or_dies_ends_with_an_error_at_once() {
+    for restarts in [true, false] {
+        let folder = tempfile::tempdir().unwrap();
+        let (data, copy) = (folder.path().join("data"), folder.path().join("backup"));
+        let server = Server::start(options(&data)).await;
+        server.wait(&server.submit("one", "EVENTS 9").await).await;
+        server.stop().await;
+        // A server that does not get to the request before it ends.
+        let lock = std::fs::File::options().write(true).open(data.join("lock")).unwrap();
+        lock.lock().unwrap();
+        let (from, to) = (data.clone(), copy.clone());
+        let begin = std::time::Instant::now();
+        let backup = tokio::spawn(async move { command(&["backup"], &to, &from).await });
+        let requested = || std::fs::read_dir(data.join("tmp")).unwrap().count() > 0;
+        while !requested() {
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+        if restarts {
+            std::fs::remove_dir_all(data.join("tmp")).unwrap();
+            std::fs::create_dir(data.join("tmp")).unwrap();
+        } else {
+            lock.unlock().unwrap();
+        }
+        let (code, text) = backup.await.unwrap();
+        let expected = match restarts {
+            true => "the server has been restarted since: run the backup again",
+            false => "the server has ended since: run the backup again",
+        };
+        assert!(code == Some(3) && text.contains(expected), "{code:?} {text}");
+        assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
+        assert!(!requested(), "nothing is left of the request");
+    }
+}
+
 #[tokio::test]
 async fn a_stopped_server_can_be_backed_up_and_a_damaged_backup_is_restored_only_on_demand() {
     let folder = tempfile::tempdir().unwrap();
