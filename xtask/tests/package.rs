@@ -46,6 +46,9 @@ fn the_archive_has_programs_that_run_and_all_licences() {
         "usr/share/doc/counterpoint/docs/security.md",
         "usr/share/doc/counterpoint/docs/diagnostics/README.md",
         "usr/share/doc/counterpoint/deploy/README.md",
+        "usr/share/doc/counterpoint/deploy/prometheus/rules.yaml",
+        "usr/share/doc/counterpoint/proto/counterpoint/v1/jobs.proto",
+        "usr/share/doc/counterpoint/clients/python/pyproject.toml",
     ] {
         assert!(unpacked.join(path).is_file(), "{path}");
     }

@@ -6,6 +6,7 @@
 
 mod archive;
 mod debian;
+mod documents;
 mod notices;
 
 use std::path::{Path, PathBuf};
@@ -28,10 +29,6 @@ pub struct Plan {
     pub level: u32,
 }
 
-/// Documents in both kinds of packages.
-const DOCUMENTS: [&str; 5] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE", "deploy/README.md"];
-/// Folder of the documentation, packaged with all its files. The documents above refer to it.
-const DOCUMENTATION: &str = "docs";
 /// Options that print the example configuration.
 const EXAMPLE: [&str; 3] = ["--data", "/var/lib/counterpoint", "--print-config"];
 /// Path of a completion script below `usr/share`, by shell.
@@ -92,21 +89,6 @@ fn maintainer(root: &Path) -> Result<String, String> {
     })
 }
 
-/// All files below a folder of the repository, as paths relative to the repository.
-fn below(root: &Path, folder: &Path) -> Result<Vec<String>, String> {
-    let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
-    let mut all = Vec::new();
-    for entry in std::fs::read_dir(root.join(folder)).map_err(wrong)? {
-        let entry = entry.map_err(wrong)?;
-        let path = folder.join(entry.file_name());
-        match entry.file_type().map_err(wrong)?.is_dir() {
-            true => all.extend(below(root, &path)?),
-            false => all.push(path.to_string_lossy().replace('\\', "/")),
-        }
-    }
-    Ok(all)
-}
-
 /// All files, at their paths in a Debian package.
 fn files(root: &Path, plan: &Plan) -> Result<Files, String> {
     let mut files = Files::new();
@@ -133,7 +115,7 @@ fn files(root: &Path, plan: &Plan) -> Result<Files, String> {
     add("etc/counterpoint/counterpointd.toml", read(&root.join("deploy/debian/counterpointd.toml"))?, false);
     let of = |name: &str| format!("usr/share/doc/counterpoint/{name}");
     add(&of("counterpointd.toml.example"), printed(&server, &EXAMPLE)?, false);
-    for name in DOCUMENTS.map(str::to_owned).into_iter().chain(below(root, Path::new(DOCUMENTATION))?) {
+    for name in documents::all(root)? {
         add(&of(&name), read(&root.join(&name))?, false);
     }
     let own = "Counterpoint: MIT OR Apache-2.0, see LICENSE-MIT and LICENSE-APACHE beside this file.\n\n";
