@@ -192,24 +192,33 @@ fn lost_files(id: &str) -> Refusal {
     ))
 }
 
+/// A stored result, or a job from whose log the result is made.
+enum Found {
+    Kept(Box<dyn Read + Send>),
+    Job(Box<Ended>),
+}
+
 async fn document_of<T: Chunk>(core: &Arc<Core>, caller: &Caller, id: String, document: Document) -> Answer<T> {
-    let record = ended(core, caller, &id)?;
     let turn = core.streams.renders.turn(caller.tenant()).await;
-    let (logs, finished) = (core.logs.clone(), core.live(&id).and_then(|live| live.finished().cloned()));
-    let kept = move |_: &Gone| {
-        Ok(match logs.open(&record.id, document.file()) {
-            Ok(file) => Some(file),
-            Err(_) => {
-                finished.and_then(|finished| finished.document(document)).map(|text| Box::new(Cursor::new(text)) as _)
-            }
-        })
+    let (core, caller, job) = (core.clone(), caller.clone(), id.clone());
+    let find = move |_: &Gone| {
+        let record = ended(&core, &caller, &id)?;
+        if let Ok(file) = core.logs.open(&record.id, document.file()) {
+            return Ok(Found::Kept(file));
+        }
+        let live = core.live(&id).and_then(|live| live.finished()?.document(document));
+        match live {
+            Some(text) => Ok(Found::Kept(Box::new(Cursor::new(text)))),
+            None => Ended::of(core, record).map(Box::new).map(Found::Job),
+        }
     };
-    let (kept, turn): (Option<Box<dyn Read + Send>>, _) = making(turn, kept).await?;
-    if let Some(mut kept) = kept {
-        return Ok(stream(turn, move |out, _| Ok(io::copy(&mut kept, out).map(drop)?)));
-    }
-    drop(turn);
-    let (ended, turn) = Ended::load(core, caller, id).await?;
+    let found = making(turn, find).await.map_err(|refusal| refusal.of_job(&job))?;
+    let (ended, turn) = match found {
+        (Found::Kept(mut kept), turn) => {
+            return Ok(stream(turn, move |out, _| Ok(io::copy(&mut kept, out).map(drop)?)));
+        }
+        (Found::Job(ended), turn) => (ended, turn),
+    };
     let (text, turn) = making(turn, move |gone| Ok(ended.source(gone).document(document)?)).await?;
     Ok(stream(turn, move |out, _| Ok(out.write_all(&text)?)))
 }
@@ -238,26 +247,32 @@ impl Ended {
         let (core, caller, job) = (core.clone(), caller.clone(), id.clone());
         let loaded = making(turn, move |_| {
             let record = ended(&core, &caller, &id)?;
-            let Some(log) = core.kept_log(&id)? else {
-                let lost = record.events > 0 && core.options.embedded.log;
-                return Err(if lost { gone(&id).into() } else { Refusal::NoResults(id) });
-            };
-            let mut work = core.work(&id)?;
-            let sandbox = Sandbox::new(core.blobs.of(&record.tenant), std::mem::take(&mut work.files));
-            let info = match core.live(&id).and_then(|live| live.run().map(|run| run.info.clone())) {
-                Some(info) => info,
-                None => match worker::prepare(&core, &record, work, &sandbox, &Stop::default())? {
-                    Ok(prepared) => prepared.info().clone(),
-                    Err(_) => {
-                        sandbox.trouble()?;
-                        return Err(Refusal::NoResults(id));
-                    }
-                },
-            };
-            load_texts(&info, &sandbox);
-            Ok(Self { core, record, info, log })
+            Self::of(core, record)
         });
         loaded.await.map_err(|refusal| refusal.of_job(&job))
+    }
+
+    /// A job that has ended with results.
+    fn of(core: Arc<Core>, record: Record) -> Result<Self, Refusal> {
+        let id = &record.id;
+        let Some(log) = core.kept_log(id)? else {
+            let lost = record.events > 0 && core.options.embedded.log;
+            return Err(if lost { gone(id).into() } else { Refusal::NoResults(id.clone()) });
+        };
+        let mut work = core.work(id)?;
+        let sandbox = Sandbox::new(core.blobs.of(&record.tenant), std::mem::take(&mut work.files));
+        let info = match core.live(id).and_then(|live| live.run().map(|run| run.info.clone())) {
+            Some(info) => info,
+            None => match worker::prepare(&core, &record, work, &sandbox, &Stop::default())? {
+                Ok(prepared) => prepared.info().clone(),
+                Err(_) => {
+                    sandbox.trouble()?;
+                    return Err(Refusal::NoResults(id.clone()));
+                }
+            },
+        };
+        load_texts(&info, &sandbox);
+        Ok(Self { core, record, info, log })
     }
 
     fn source(&self, gone: &Gone) -> Source<'_> {
