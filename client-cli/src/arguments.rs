@@ -160,11 +160,11 @@ pub(crate) enum Command {
     /// Explain a word of a program on a machine, a diagnostic, an alarm, or a word of the macro language
     #[command(after_help = EXPLAIN_EXAMPLES)]
     Explain(Explain),
-    /// Write man pages of all commands into a folder
+    /// Write man pages of all commands into a folder, or the first page to standard output
     Man {
-        /// Folder to write, such as /usr/local/share/man/man1
+        /// Folder to write, such as /usr/local/share/man/man1 [default: print one page for `man -l -`]
         #[arg(value_name = "DIR")]
-        folder: PathBuf,
+        folder: Option<PathBuf>,
     },
     /// Print a completion script for a shell
     Completions {

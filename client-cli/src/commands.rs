@@ -51,7 +51,8 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Machine(arguments) => machines::dispatch(arguments).await,
         Command::Macro(command) => macros::dispatch(&command),
         Command::Explain(arguments) => explain::explain(&arguments),
-        Command::Man { folder } => man::write(&folder),
+        Command::Man { folder: Some(folder) } => man::write(&folder),
+        Command::Man { folder: None } => man::print(),
         Command::Completions { shell } => {
             say::data(completions::script(shell).as_bytes())?;
             Ok(0)

@@ -19,9 +19,7 @@ const EXAMPLES: &str = "Examples:";
 /// Writes the pages into a folder.
 pub(crate) fn write(folder: &Path) -> Result<u8, Error> {
     std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
-    let mut command = Arguments::command().disable_help_subcommand(true);
-    command.build();
-    for (name, text) in pages(&command, None).map_err(Error::file(folder))? {
+    for (name, text) in pages(&built(), None).map_err(Error::file(folder))? {
         let path = folder.join(format!("{name}.1"));
         std::fs::write(&path, text).map_err(Error::file(&path))?;
     }
@@ -29,6 +27,19 @@ pub(crate) fn write(folder: &Path) -> Result<u8, Error> {
         format!("man pages written to {}: `man -l {0}/counterpoint.1` shows one\n", folder.display()).as_bytes(),
     )?;
     Ok(0)
+}
+
+/// Prints the page of the program.
+pub(crate) fn print() -> Result<u8, Error> {
+    let all = pages(&built(), None).map_err(Error::file("standard output"))?;
+    all.first().map_or(Ok(()), |(_, page)| say::data(page.as_bytes()))?;
+    Ok(0)
+}
+
+fn built() -> Command {
+    let mut command = Arguments::command().disable_help_subcommand(true);
+    command.build();
+    command
 }
 
 /// The pages of a command and its subcommands by name.

@@ -66,14 +66,18 @@ enum Command {
     /// Create, list and revoke tokens in the file of identities
     #[command(subcommand)]
     Token(TokenCommand),
-    /// Write man pages into a folder
+    /// Write man pages into a folder, or the page of the server to standard output
     Man {
-        /// Folder for the pages
-        folder: PathBuf,
+        /// Folder for the pages, such as /usr/local/share/man/man8 [default: print one page for `man -l -`]
+        #[arg(value_name = "DIR")]
+        folder: Option<PathBuf>,
     },
 }
 
-fn write_pages(folder: &Path) -> Result<(), String> {
+fn write_pages(folder: Option<&Path>) -> Result<(), String> {
+    let Some(folder) = folder else {
+        return man::page(Arguments::command()).and_then(|page| output::line(format_args!("{}", page.trim_end())));
+    };
     man::write(Arguments::command(), folder).and_then(|()| {
         let folder = folder.display();
         output::line(format_args!("man pages written to {folder}: `man -l {folder}/counterpointd.8` shows one"))
@@ -85,7 +89,7 @@ fn run(command: &Command, options: &Options) -> ExitCode {
     let data = &options.data;
     let done = match command {
         Command::Token(command) => command.run(&options.guard.access),
-        Command::Man { folder } => write_pages(folder),
+        Command::Man { folder } => write_pages(folder.as_deref()),
         Command::Doctor { data: own, repair } => {
             keep_private();
             return examine(own.as_deref().unwrap_or(data), *repair);
@@ -143,7 +147,7 @@ fn main() -> ExitCode {
     }
     if let Some(Command::Man { folder }) = &arguments.command {
         // The pages do not depend on the configuration.
-        return outcome(write_pages(folder));
+        return outcome(write_pages(folder.as_deref()));
     }
     let config = arguments.config.filter(|path| !path.as_os_str().is_empty());
     let base = match &config {

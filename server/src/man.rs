@@ -50,18 +50,44 @@ The manual of the server; \fIsecurity.md\fR beside it explains identities and en
 ///
 /// # Errors
 /// A page cannot be written.
-pub fn write(mut program: Command, folder: &Path) -> Result<(), String> {
+pub fn write(program: Command, folder: &Path) -> Result<(), String> {
     let failed = |error: io::Error| format!("'{}': {error}", folder.display());
     std::fs::create_dir_all(folder).map_err(failed)?;
-    program = program.disable_help_subcommand(true);
+    write_all(&built(program), folder, SERVER).map_err(failed)
+}
+
+/// The page of a program.
+///
+/// # Errors
+/// The page cannot be made.
+pub fn page(program: Command) -> Result<String, String> {
+    let page = text(&built(program), SERVER).map_err(|error| error.to_string())?;
+    String::from_utf8(page).map_err(|error| error.to_string())
+}
+
+fn built(program: Command) -> Command {
+    let mut program = program.disable_help_subcommand(true);
     program.build();
-    write_all(&program, folder, SERVER).map_err(failed)
+    program
+}
+
+fn name(command: &Command) -> &str {
+    command.get_display_name().unwrap_or_else(|| command.get_name())
+}
+
+/// The commands of a command that have pages.
+fn below(command: &Command) -> impl Iterator<Item = &Command> {
+    command.get_subcommands().filter(|command| !command.is_hide_set())
 }
 
 fn write_all(command: &Command, folder: &Path, more: &str) -> io::Result<()> {
-    let name = command.get_display_name().unwrap_or_else(|| command.get_name()).to_owned();
-    let below: Vec<&Command> = command.get_subcommands().filter(|command| !command.is_hide_set()).collect();
-    let page = Man::new(command.clone()).title(&name).section(SECTION).date("").manual("Counterpoint");
+    std::fs::write(folder.join(format!("{}.{SECTION}", name(command))), text(command, more)?)?;
+    below(command).try_for_each(|command| write_all(command, folder, ""))
+}
+
+/// The text of a page.
+fn text(command: &Command, more: &str) -> io::Result<Vec<u8>> {
+    let page = Man::new(command.clone()).title(name(command)).section(SECTION).date("").manual("Counterpoint");
     let page = page.source(concat!("counterpoint ", env!("CARGO_PKG_VERSION")));
     let mut text = Vec::new();
     page.render_title(&mut text)?;
@@ -69,12 +95,11 @@ fn write_all(command: &Command, folder: &Path, more: &str) -> io::Result<()> {
     text.extend(synopsis(command).into_bytes());
     page.render_description_section(&mut text)?;
     page.render_options_section(&mut text)?;
-    if !below.is_empty() {
+    if below(command).next().is_some() {
         page.render_subcommands_section(&mut text)?;
     }
     text.extend(more.as_bytes());
-    std::fs::write(folder.join(format!("{name}.{SECTION}")), text)?;
-    below.into_iter().try_for_each(|command| write_all(command, folder, ""))
+    Ok(text)
 }
 
 /// The usage as `--help` prints it: the options of the server in one word.

@@ -160,3 +160,11 @@ fn a_wrong_filter_of_the_log_and_an_audit_log_without_a_folder_are_named() {
     let (code, text) = refused(("COUNTERPOINT_LOG", "info"), ["--audit", "/no-such-folder/audit.json"]);
     assert!(code == 2 && text.contains("(option audit)") && text.contains("/no-such-folder"), "{code} {text}");
 }
+
+#[test]
+fn man_without_a_folder_prints_the_page_of_the_server() {
+    let output = Command::new(env!("CARGO_BIN_EXE_counterpointd")).arg("man").output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.contains(".TH counterpointd 8"), "{text}");
+    assert!(text.contains(".SH OPTIONS") && text.contains(".SH SIGNALS"), "{text}");
+}
