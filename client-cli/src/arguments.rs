@@ -13,7 +13,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::remote::Remote;
 pub(crate) use calibrate::Calibrate;
 pub(crate) use inputs::{Inputs, Levels, On, ProgramFiles, RaceCheck, Switches, Timing};
-pub(crate) use jobs::{JobFilter, Jobs, Many, NAME, Priority, RequestArgs, Rerun, State, Status, Watch, When};
+pub(crate) use jobs::{JobFilter, Jobs, Many, NAME, Priority, RequestArgs, Rerun, State, Status, Wait, Watch, When};
 pub(crate) use lint::Lint;
 pub(crate) use machines::{Machine, Part, Rows};
 
@@ -118,7 +118,7 @@ pub(crate) enum Command {
     Attend(Follow),
     /// Step through a job submitted with --step, with the commands of `run --step`
     Step(Follow),
-    /// Wait for the ends of jobs
+    /// Wait for the ends of jobs, of single ones or of all that a filter selects
     Wait(Wait),
     /// List the jobs of a server
     #[command(after_help = JOBS_EXAMPLES)]
@@ -255,25 +255,6 @@ pub(crate) struct Submit {
     #[arg(long)]
     pub(crate) no_cache: bool,
     /// Print the id as JSON
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// Jobs whose ends are awaited.
-#[derive(Debug, Args)]
-pub(crate) struct Wait {
-    /// Ids of the jobs, or prefixes of them
-    #[arg(required = true, value_name = "JOB")]
-    pub(crate) jobs: Vec<String>,
-    #[command(flatten)]
-    pub(crate) remote: Remote,
-    /// Print only errors
-    #[arg(long, short)]
-    pub(crate) quiet: bool,
-    /// Exit with code 1 even if there are only warnings
-    #[arg(long)]
-    pub(crate) strict: bool,
-    /// Print the status of each ended job as JSON, one object per line
     #[arg(long)]
     pub(crate) json: bool,
 }

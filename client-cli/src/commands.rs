@@ -118,14 +118,11 @@ async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 }
 
 /// Waits for jobs, one after another; returns the highest exit code.
-async fn wait(Wait { jobs, remote, quiet, strict, json }: Wait) -> Result<u8, Error> {
-    let client = Client::connect(&remote.server).await?;
-    let mut ids = Vec::new();
-    for job in &jobs {
-        ids.push(job_names::whole(&client, job).await?);
-    }
+async fn wait(arguments: Wait) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let Wait { quiet, strict, json, .. } = arguments;
     let mut code = 0;
-    for job in &ids {
+    for job in &jobs::awaited(&client, &arguments).await? {
         let status = client.wait(job).await.map_err(|error| error.of_job(job))?;
         if json {
             say::verdict(format!("{}\n", as_json(&status)).as_bytes())?;

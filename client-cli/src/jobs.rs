@@ -6,7 +6,7 @@ use counterpoint_client::JobUpdate;
 use counterpoint_proto::v1;
 use counterpoint_server::utc::{date_and_time, instant};
 
-use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Watch, When};
+use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Wait, Watch, When};
 use crate::client::{Client, Submitted};
 use crate::error::Error;
 use crate::job_status::{as_json, labels, programs, ran_ms, simulated, state_name};
@@ -123,16 +123,8 @@ pub(crate) fn say_duplicate(duplicate: bool) {
     }
 }
 
-/// Lists jobs.
-pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    let most = arguments.limit.unwrap_or(usize::MAX);
-    let mut request = v1::ListJobsRequest {
-        filter: Some(filter(&arguments.filter)),
-        newest_first: !arguments.oldest,
-        short_ids: true,
-        ..Default::default()
-    };
+/// At most `most` jobs of a list, page by page.
+async fn listed(client: &Client, mut request: v1::ListJobsRequest, most: usize) -> Result<Vec<v1::JobStatus>, Error> {
     let mut rows = Vec::new();
     while rows.len() < most {
         request.page_size = u32::try_from((most - rows.len()).min(PAGE)).unwrap_or(0);
@@ -143,6 +135,41 @@ pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
         }
         request.page_token = page.next_page_token;
     }
+    Ok(rows)
+}
+
+/// Ids of the jobs whose ends are awaited: those that are named, those of a filter, or all that have not ended.
+pub(crate) async fn awaited(client: &Client, arguments: &Wait) -> Result<Vec<String>, Error> {
+    if !arguments.jobs.is_empty() {
+        let mut ids = Vec::new();
+        for job in &arguments.jobs {
+            ids.push(job_names::whole(client, job).await?);
+        }
+        return Ok(ids);
+    }
+    let mut filter = filter(&arguments.filter);
+    if arguments.all {
+        filter.states = [v1::JobState::Queued, v1::JobState::Running].map(i32::from).to_vec();
+    }
+    let request = v1::ListJobsRequest { filter: Some(filter), ..Default::default() };
+    let ids: Vec<String> = listed(client, request, usize::MAX).await?.into_iter().map(|job| job.job_id).collect();
+    if ids.is_empty() && !arguments.all {
+        let text = "no job matches the filter: `counterpoint jobs` with the same filter lists its jobs";
+        return Err(Error::Usage(text.to_owned()));
+    }
+    Ok(ids)
+}
+
+/// Lists jobs.
+pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let request = v1::ListJobsRequest {
+        filter: Some(filter(&arguments.filter)),
+        newest_first: !arguments.oldest,
+        short_ids: true,
+        ..Default::default()
+    };
+    let rows = listed(&client, request, arguments.limit.unwrap_or(usize::MAX)).await?;
     if arguments.json {
         let lines: String = rows.iter().map(|job| format!("{}\n", as_json(job))).collect();
         say::data(lines.as_bytes())?;

@@ -179,3 +179,32 @@ fn a_folder_that_hides_a_machine_of_the_server_is_named() {
     assert!(talk.contains("machine from the folder 'cell' here"), "{talk}");
     assert!(!submit("./cell").contains("from the folder"), "the argument names the folder");
 }
+
+/// `wait` selects jobs as `jobs`, `cancel` and `delete` do.
+#[test]
+fn the_jobs_of_a_filter_are_awaited() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let clean = program(folder.path(), "clean.nc", CLEAN);
+    let alarm = program(folder.path(), "alarm.nc", "O1\nG21 G90 G0 X[1/0]\nM30\n");
+    let submit = |program: &str, label: &str| {
+        let (code, job, talk) = server.call(&["submit", "--machine", "fanuc-mill", "--label", label, program]);
+        assert_eq!(code, 0, "{talk}");
+        job
+    };
+    let jobs = [submit(&clean, "batch=1"), submit(&clean, "batch=2"), submit(&alarm, "batch=2")];
+    let (code, out, talk) = server.call(&["wait", "--json", "--label", "batch=1"]);
+    assert_eq!((code, out.lines().count()), (0, 1), "{talk}");
+    assert!(out.contains(&jobs[0]));
+    let (code, out, talk) = server.call(&["wait", "--json", "--label", "batch=2", "--machine", "fanuc-mill"]);
+    let ids: Vec<Value> = out.lines().map(|l| serde_json::from_str::<Value>(l).unwrap()["job"].clone()).collect();
+    assert_eq!((code, ids), (1, jobs[1..].iter().map(|job| Value::from(job.as_str())).collect()), "{talk}");
+    let (code, _, talk) = server.call(&["wait", "--label", "batch=3"]);
+    assert!(code == 2 && talk.contains("no job matches the filter"), "{code} {talk}");
+    let (code, out, talk) = server.call(&["wait", "--all"]);
+    assert_eq!((code, out.as_str()), (0, ""), "all jobs have ended: {talk}");
+    let (code, _, talk) = server.call(&["wait"]);
+    assert!(code == 2 && talk.contains("--all"), "{code} {talk}");
+    let (code, _, talk) = server.call(&["wait", &jobs[0], "--label", "batch=1"]);
+    assert!(code == 2 && talk.contains("cannot be used with"), "{code} {talk}");
+}

@@ -151,6 +151,34 @@ pub(crate) struct Status {
     pub(crate) remote: Remote,
 }
 
+/// Arguments that select the jobs of `wait`; one of them must be given.
+const AWAITED: [&str; 6] = ["jobs", "state", "machine", "labels", "since", "all"];
+
+/// Jobs whose ends are awaited.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("awaited").args(AWAITED).required(true).multiple(true))]
+pub(crate) struct Wait {
+    /// Ids of the jobs, or prefixes of them
+    #[arg(value_name = "JOB", conflicts_with_all = ["state", "machine", "labels", "since", "all"])]
+    pub(crate) jobs: Vec<String>,
+    #[command(flatten)]
+    pub(crate) filter: JobFilter,
+    /// Wait for all your jobs that have not ended
+    #[arg(long, conflicts_with_all = ["state", "machine", "labels", "since"])]
+    pub(crate) all: bool,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+    /// Print only errors
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+    /// Exit with code 1 even if there are only warnings
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// Print the status of each ended job as JSON, one object per line
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 /// Arguments that select the jobs of `cancel` and `delete`; one of them must be given.
 const SELECTORS: [&str; 6] = ["job", "state", "machine", "labels", "since", "all"];
 
