@@ -15,6 +15,28 @@ pub(crate) fn ran_ms(job: &v1::JobStatus, now_ms: i64) -> Option<i64> {
     (job.started_ms > 0).then(|| end.saturating_sub(job.started_ms).max(0))
 }
 
+/// The first error of a failed job with its place: `part.nc:3: 2900061 division by zero`.
+pub(crate) fn first_error(job: &v1::JobStatus) -> Option<String> {
+    let v1::JobError { number, text, file, line, channel } = job.first_error.as_ref()?;
+    let place = match (file.is_empty(), line) {
+        (true, _) if *channel > 0 => format!("channel {channel}: "),
+        (true, _) => String::new(),
+        (false, 0) => format!("{file}: "),
+        (false, line) => format!("{file}:{line}: "),
+    };
+    let number = if *number > 0 { format!("{number} ") } else { String::new() };
+    Some(format!("{place}{number}{text}"))
+}
+
+/// Why a job waits although workers may be free.
+pub(crate) fn waits(job: &v1::JobStatus) -> Option<String> {
+    let suspect = match job.waits_for_job.as_str() {
+        "" => "a job of another tenant",
+        id => id,
+    };
+    job.waits_for_suspect.then(|| format!("waits while {suspect}, suspected of the last crash, runs alone"))
+}
+
 /// The simulated time of an ended job; `None` if no run has finished.
 pub(crate) fn simulated(job: &v1::JobStatus) -> Option<String> {
     (job.ended_ms > 0 && !job.log_digest.is_empty()).then(|| time(job.makespan_ns))
@@ -32,8 +54,14 @@ pub(crate) fn labels(job: &v1::JobStatus) -> String {
     name.into_iter().chain(others).collect::<Vec<_>>().join(" ")
 }
 
+/// The state of a job. A job whose cancel was requested is cancelling until its run has stopped.
 pub(crate) fn state_name(job: &v1::JobStatus) -> String {
-    let state = if job.paused { "PAUSED" } else { job.state().as_str_name().trim_start_matches("JOB_STATE_") };
+    let open = matches!(job.state(), v1::JobState::Queued | v1::JobState::Running);
+    let state = match job.state().as_str_name().trim_start_matches("JOB_STATE_") {
+        _ if open && job.cancel_requested => "CANCELLING",
+        _ if job.paused => "PAUSED",
+        state => state,
+    };
     state.to_owned()
 }
 
@@ -81,8 +109,23 @@ pub(crate) fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     if job.suspect {
         add("suspect", true.into());
     }
+    if job.waits_for_suspect {
+        add("waits_for_suspect", true.into());
+    }
+    if !job.waits_for_job.is_empty() {
+        add("waits_for_job", job.waits_for_job.clone().into());
+    }
     if job.paused {
         add("paused", true.into());
+    }
+    if job.cancel_requested {
+        add("cancel_requested", true.into());
+    }
+    if let Some(v1::JobError { number, text, file, line, channel }) = &job.first_error {
+        let (number, line, channel) = (*number, *line, *channel);
+        let error =
+            serde_json::json!({ "number": number, "text": text, "file": file, "line": line, "channel": channel });
+        add("first_error", error);
     }
     if !job.rerun_of.is_empty() {
         add("rerun_of", job.rerun_of.clone().into());
@@ -94,4 +137,42 @@ pub(crate) fn as_json(job: &v1::JobStatus) -> serde_json::Value {
         add("reused_ended_ms", job.reused_ended_ms.into());
     }
     json
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_job_that_has_not_stopped_after_its_cancel_is_cancelling() {
+        let shown = |state: v1::JobState, paused: bool| {
+            let job = v1::JobStatus { state: state.into(), paused, cancel_requested: true, ..Default::default() };
+            assert_eq!(as_json(&job)["cancel_requested"], true);
+            state_name(&job)
+        };
+        assert_eq!(shown(v1::JobState::Running, false), "CANCELLING");
+        assert_eq!(shown(v1::JobState::Queued, true), "CANCELLING");
+        assert_eq!(shown(v1::JobState::Cancelled, false), "CANCELLED");
+        assert_eq!(shown(v1::JobState::Succeeded, false), "SUCCEEDED", "it ended before it could stop");
+    }
+
+    #[test]
+    fn a_waiting_job_says_why_it_waits() {
+        let job = v1::JobStatus {
+            state: v1::JobState::Queued.into(),
+            waits_for_suspect: true,
+            waits_for_job: "01938f2c-5d1e".to_owned(),
+            ..Default::default()
+        };
+        let text = "waits while 01938f2c-5d1e, suspected of the last crash, runs alone";
+        assert_eq!(waits(&job).as_deref(), Some(text));
+        assert_eq!(
+            (&as_json(&job)["waits_for_suspect"], as_json(&job)["waits_for_job"].as_str()),
+            (&true.into(), Some("01938f2c-5d1e"))
+        );
+        let other = v1::JobStatus { waits_for_job: String::new(), ..job };
+        let text = "waits while a job of another tenant, suspected of the last crash, runs alone";
+        assert_eq!(waits(&other).as_deref(), Some(text));
+        assert_eq!(waits(&v1::JobStatus::default()), None);
+    }
 }

@@ -9,7 +9,7 @@ use counterpoint_server::utc::{date_and_time, instant};
 use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Wait, Watch, When};
 use crate::client::{Client, Submitted};
 use crate::error::Error;
-use crate::job_status::{as_json, labels, programs, ran_ms, simulated, state_name};
+use crate::job_status::{as_json, labels, programs, ran_ms, simulated, state_name, waits};
 use crate::text::{table, time};
 use crate::{job_names, say};
 
@@ -180,6 +180,10 @@ pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
     let now = now_ms();
     lines.extend(rows.iter().map(|job| row(job, arguments.long, now)));
     say::data(table(&lines, head.len()).as_bytes())?;
+    let waiting = rows.iter().filter(|job| job.waits_for_suspect).count();
+    if let Some(wait) = rows.iter().find_map(waits) {
+        say::status_line(format!("jobs in this list that wait: {waiting}; each {wait}"));
+    }
     Ok(0)
 }
 
@@ -198,9 +202,11 @@ fn row(job: &v1::JobStatus, long: bool, now_ms: i64) -> Vec<String> {
         Some(ms) => time(ms.saturating_mul(1_000_000)),
         None => "-".to_owned(),
     };
-    let cycle = simulated(job).unwrap_or_else(|| "-".to_owned());
+    // The time at which a failed job stopped is not a cycle time.
+    let cycle = simulated(job).filter(|_| job.state() == v1::JobState::Succeeded).unwrap_or_else(|| "-".to_owned());
     let (labels, submitted) = (labels(job), format!("{day} {submitted}"));
-    vec![id.clone(), state_name(job), submitted, started, ran, cycle, job.machine.clone(), labels, programs(job)]
+    let state = state_name(job) + if job.suspect { " (suspect)" } else { "" };
+    vec![id.clone(), state, submitted, started, ran, cycle, job.machine.clone(), labels, programs(job)]
 }
 
 /// Follows the states of jobs, reconnecting if necessary, until it is interrupted.

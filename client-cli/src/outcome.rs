@@ -4,7 +4,7 @@ use counterpoint_proto::v1;
 
 use crate::error::Error;
 use crate::findings;
-use crate::job_status::{programs, simulated, simulated_label, state_name};
+use crate::job_status::{first_error, programs, simulated, simulated_label, state_name};
 use crate::reused;
 use crate::say;
 use crate::severity::WARNING;
@@ -37,9 +37,10 @@ fn end(status: &v1::JobStatus) -> String {
     format!("{state}{warnings}{}", time.unwrap_or_default())
 }
 
-/// Further lines about the end of a job: the source of its results, and the command that shows its errors.
+/// Further lines about the end of a job: the source of its results, its first error, and the command that shows all.
 fn notes(status: &v1::JobStatus) -> Vec<String> {
-    reused::note(status).into_iter().chain(errors(status).map(|at| format!("errors: {at}"))).collect()
+    let first = first_error(status).map(|error| format!("first error: {error}"));
+    reused::note(status).into_iter().chain(first).chain(errors(status).map(|at| format!("errors: {at}"))).collect()
 }
 
 /// The command that shows the errors of a job, if its run failed and its status has no reason.

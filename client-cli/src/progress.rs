@@ -35,7 +35,9 @@ impl Progress {
             Self::Plain { said } => {
                 if said.elapsed() >= PLAIN_EVERY {
                     *said = Instant::now();
-                    progress.channels.iter().for_each(|c| say::status_line(format_args!("{} {}", c.name, describe(c))));
+                    let line =
+                        |c: &v1::ChannelProgress| format!("{} {}", c.name, describe(c, progress.cancel_requested));
+                    progress.channels.iter().for_each(|channel| say::status_line(line(channel)));
                 }
             }
             Self::Bars { all, bars } => {
@@ -45,7 +47,7 @@ impl Progress {
                     }
                     if let Some(bar) = bars.get(i) {
                         bar.set_position(channel.percent as u64);
-                        bar.set_message(describe(channel));
+                        bar.set_message(describe(channel, progress.cancel_requested));
                     }
                 }
             }
@@ -110,8 +112,9 @@ fn bar(name: &str) -> ProgressBar {
     bar
 }
 
-fn describe(channel: &v1::ChannelProgress) -> String {
+fn describe(channel: &v1::ChannelProgress, cancelling: bool) -> String {
     let state = match channel.state() {
+        _ if cancelling => "cancelling".to_owned(),
         v1::ChannelState::Waiting if !channel.waiting_for.is_empty() => format!("waits for {}", channel.waiting_for),
         state => state.as_str_name().trim_start_matches("CHANNEL_STATE_").replace('_', " ").to_lowercase(),
     };

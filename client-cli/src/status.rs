@@ -6,7 +6,9 @@ use counterpoint_server::utc::instant;
 use crate::arguments::Status;
 use crate::client::Client;
 use crate::error::Error;
-use crate::job_status::{as_json, labels, programs, ran_ms, simulated, simulated_label, state_name};
+use crate::job_status::{
+    as_json, first_error, labels, programs, ran_ms, simulated, simulated_label, state_name, waits,
+};
 use crate::jobs::now_ms;
 use crate::outcome::errors;
 use crate::text::time;
@@ -62,6 +64,7 @@ fn shown(job: &v1::JobStatus, (pinned, source): (&str, String), now_ms: i64) -> 
         ("ran", ran_ms(job, now_ms).map(|ms| time(ms.saturating_mul(1_000_000))).unwrap_or_default()),
         ("deadline", utc(job.deadline_ms)),
         ("attempts", count(job.attempt)),
+        ("waits", waits(job).unwrap_or_default()),
         ("suspect", if job.suspect { SUSPECT.to_owned() } else { String::new() }),
         ("rerun of", job.rerun_of.clone()),
         ("results of", source),
@@ -69,6 +72,7 @@ fn shown(job: &v1::JobStatus, (pinned, source): (&str, String), now_ms: i64) -> 
         ("cause", if cause == "unspecified" { String::new() } else { cause }),
         ("verdict", job.verdict.clone()),
         ("error", job.error.clone()),
+        ("first error", first_error(job).unwrap_or_default()),
         ("errors", errors(job).unwrap_or_default()),
         ("host", job.host_failure.clone()),
     ];

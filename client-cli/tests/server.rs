@@ -208,3 +208,30 @@ fn the_jobs_of_a_filter_are_awaited() {
     let (code, _, talk) = server.call(&["wait", &jobs[0], "--label", "batch=1"]);
     assert!(code == 2 && talk.contains("cannot be used with"), "{code} {talk}");
 }
+
+/// The first error of a job, with its place, is in the status; a job that failed has no cycle time.
+#[test]
+fn the_status_of_a_failed_job_has_its_first_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let alarm = program(folder.path(), "alarm.nc", "O1\nG21 G90 G0 X1.\nG0 X[1/0]\nG0 X[2/0]\nM30\n");
+    let job = server.submit(&alarm);
+    server.call(&["wait", "--quiet", &job]);
+    let (_, text, _) = server.call(&["status", "--json", &job]);
+    let error = serde_json::from_str::<Value>(&text).unwrap()["first_error"].clone();
+    assert_eq!((&error["file"], &error["line"], &error["channel"]), (&"alarm.nc".into(), &3.into(), &1.into()));
+    assert_eq!(error["number"], 2_900_061);
+    assert!(error["text"].as_str().unwrap().contains("division by zero"), "{error}");
+    let (_, text, _) = server.call(&["status", &job]);
+    let line = text.lines().find(|line| line.starts_with("first error")).expect(&text);
+    assert!(line.contains("alarm.nc:3") && line.contains("2900061") && line.contains("division by zero"), "{line}");
+    let (_, text, _) = server.call(&["wait", &job]);
+    let (_, list, _) = server.call(&["jobs"]);
+    let row: Vec<&str> = list.lines().nth(1).expect(&list).split_whitespace().collect();
+    assert_eq!(row[6..], ["-", "fanuc-mill", "alarm.nc"], "no cycle time: {list}");
+    assert!(!text.contains("cycle time"), "{text}");
+    let missing = program(folder.path(), "missing.nc", "O1\nM98 P77\nM30\n");
+    let job = server.submit(&missing);
+    let (_, _, talk) = server.call(&["wait", &job]);
+    assert!(talk.contains("missing.nc:2"), "the end names the first error: {talk}");
+}

@@ -11,7 +11,7 @@ from typing import Tuple
 os.environ.setdefault("GRPC_VERBOSITY", "NONE")
 
 from counterpoint import Client, Event, JobFailed, JobOptions, Refused, UnknownMachine  # noqa: E402
-from counterpoint import Unreachable, draw, print_progress  # noqa: E402
+from counterpoint import Unreachable, draw, first_error, print_progress  # noqa: E402
 
 
 def show(event: Event) -> None:
@@ -56,6 +56,8 @@ def run() -> int:
             return 2
         if status.reused_from:
             print(f"not run: results of the equal job {status.reused_from}", file=sys.stderr)
+        if first_error(status):
+            print(f"first error: {first_error(status)}", file=sys.stderr)
         summary = client.summary(job)
         print(f"{summary['state']} after {summary['makespan_ns'] / 1e9:.3f} s of machine time")
         if arguments.timeline:

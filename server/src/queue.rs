@@ -93,6 +93,9 @@ pub(crate) trait Queue: Send + Debug {
     /// Jobs cleared since the last call: former suspects that have run alone for their time, or have paused.
     fn take_cleared(&mut self) -> Vec<String>;
 
+    /// The suspect that runs alone.
+    fn alone(&self) -> Option<&str>;
+
     /// Jobs that are likely to run before this one; 0 if it does not wait.
     fn before(&self, id: &str) -> usize;
 

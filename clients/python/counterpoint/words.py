@@ -25,6 +25,16 @@ def limit_name(status: jobs_pb2.JobStatus) -> str:
     return jobs_pb2.JobLimit.Name(status.limit).replace("JOB_LIMIT_", "").replace("UNSPECIFIED", "")
 
 
+def first_error(status: jobs_pb2.JobStatus) -> str:
+    """The first error of a failed job with its place, for example `part.nc:3: 2900061 division by zero`; else empty."""
+    if not status.HasField("first_error"):
+        return ""
+    error = status.first_error
+    place = ":".join(filter(None, [error.file, str(error.line) if error.line else ""]))
+    number = f"{error.number} " if error.number else ""
+    return f"{place}: {number}{error.text}" if place else f"{number}{error.text}"
+
+
 def states(names: Union[str, Iterable[str]]) -> List["jobs_pb2.JobState.ValueType"]:
     """States by name, in any letter case; one name is a list of one."""
     names = [names] if isinstance(names, str) else names

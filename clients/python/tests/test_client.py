@@ -15,7 +15,7 @@ from typing import Any, Callable, List
 import grpc
 
 from counterpoint import Client, Event, JobFailed, JobOptions, JobStatus, Progress, Refused, UnknownMachine
-from counterpoint import cause_name, draw, limit_name, state_name
+from counterpoint import cause_name, draw, first_error, limit_name, state_name
 from counterpoint.v1 import blobs_pb2, blobs_pb2_grpc, jobs_pb2, machines_pb2, machines_pb2_grpc
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "examples" / "two-turret"
@@ -170,6 +170,13 @@ class Against(unittest.TestCase):
         job = self.endless(deadline=datetime.timedelta(seconds=0.1))
         status = self.client.wait(job)
         self.assertEqual((state_name(status), cause_name(status), limit_name(status)), ("FAILED", "LIMIT", "DEADLINE"))
+
+    def test_a_failed_job_names_its_first_error(self) -> None:
+        status = self.client.watch(self.client.submit("fanuc-mill", {"part.nc": b"O1\nG0 X[1/0]\nM30\n"}))
+        self.assertEqual(state_name(status), "FAILED")
+        self.assertRegex(first_error(status), "^part.nc:2: 2900061 division by zero")
+        status = self.client.watch(self.client.submit("fanuc-mill", {"part.nc": PART}))
+        self.assertEqual((state_name(status), first_error(status)), ("SUCCEEDED", ""))
 
     def test_jobs_are_listed_over_pages_in_both_orders(self) -> None:
         labels = {"many": str(uuid.uuid4())}

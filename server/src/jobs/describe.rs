@@ -5,6 +5,7 @@ use counterpoint_kernel::log::info::{Info, Unit};
 use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 
+use crate::ledger::first_error::FirstError;
 use crate::ledger::record::{CONTENT, Cause, Priority, Reached, Reason, Record, State, Work};
 use crate::reason::without_paths;
 
@@ -105,9 +106,18 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         paused: record.paused,
         limit: limit(record.runs.reached).into(),
         cpu_us: record.runs.cpu_us,
+        first_error: record.first_error.map(error),
+        // Only calls that ask for the state now fill these fields.
+        waits_for_suspect: false,
+        waits_for_job: String::new(),
         // Only lists fill this field.
         short_id: String::new(),
     }
+}
+
+fn error(error: FirstError) -> v1::JobError {
+    let FirstError { number, text, file, line, channel } = error;
+    v1::JobError { number, text: without_paths(&text).into_owned(), file, line, channel: channel.into() }
 }
 
 fn limit(reached: Option<Reached>) -> v1::JobLimit {

@@ -27,7 +27,7 @@ pub(crate) mod shares;
 mod sink;
 pub(crate) mod step;
 pub(crate) mod streams;
-mod suspicion;
+pub(crate) mod suspicion;
 mod system;
 mod tally;
 pub(crate) mod worker;

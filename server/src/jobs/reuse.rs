@@ -109,6 +109,7 @@ fn of_equal(from: Record, stored_bytes: u64, digest: String) -> Change {
         (record.events, record.makespan_ns) = (from.events, from.makespan_ns);
         (record.log_digest, record.verdict) = (from.log_digest, from.verdict);
         record.highest_severity = from.highest_severity;
+        record.first_error = from.first_error;
         record.runs.stored_bytes = stored_bytes;
         record.reuse = match from.reuse.from.is_empty() {
             true => Reuse { digest, from: from.id, ended_ms: from.ended_ms },

@@ -7,6 +7,8 @@
 use std::io;
 use std::time::Duration;
 
+use counterpoint_proto::v1;
+
 use super::Core;
 use super::board::Waiting;
 use super::live::{Live, lock};
@@ -24,7 +26,34 @@ pub(super) fn time_alone(crashes: u32) -> Duration {
     ALONE * (1 << crashes.saturating_sub(1).min(MOST_DOUBLINGS))
 }
 
+/// The suspect that runs alone.
+#[derive(Debug)]
+pub(crate) struct Alone {
+    job: String,
+    tenant: String,
+}
+
+impl Alone {
+    /// Adds the wait for this suspect to the status of another job. A job of another tenant is not named.
+    pub(crate) fn mark(&self, status: &mut v1::JobStatus) {
+        let open = matches!(status.state(), v1::JobState::Queued | v1::JobState::Running);
+        if open && !status.paused && status.job_id != self.job {
+            status.waits_for_suspect = true;
+            if status.tenant == self.tenant {
+                status.waits_for_job.clone_from(&self.job);
+            }
+        }
+    }
+}
+
 impl Core {
+    /// The suspect that runs alone while other jobs wait.
+    pub(crate) fn alone(&self) -> Option<Alone> {
+        let job = lock(&self.board.queue).jobs.alone()?.to_owned();
+        let tenant = self.live(&job)?.peek(|record| record.tenant.clone());
+        Some(Alone { job, tenant })
+    }
+
     /// Takes the jobs that the queue has cleared, and removes their suspicion in memory.
     pub(super) fn clear(&self, queue: &mut Waiting) {
         let cleared = queue.jobs.take_cleared();
@@ -83,6 +112,23 @@ impl Core {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_suspect_of_another_tenant_is_not_named() {
+        let alone = Alone { job: "suspect".to_owned(), tenant: "a".to_owned() };
+        let waits = |tenant: &str, id: &str, state: v1::JobState, paused: bool| {
+            let (job_id, tenant, state) = (id.to_owned(), tenant.to_owned(), state.into());
+            let mut status = v1::JobStatus { job_id, tenant, state, paused, ..Default::default() };
+            alone.mark(&mut status);
+            (status.waits_for_suspect, status.waits_for_job)
+        };
+        use v1::JobState::{Failed, Queued, Running};
+        assert_eq!(waits("a", "one", Queued, false), (true, "suspect".to_owned()));
+        assert_eq!(waits("b", "two", Running, false), (true, String::new()));
+        for (id, state, paused) in [("suspect", Running, false), ("one", Failed, false), ("one", Queued, true)] {
+            assert_eq!(waits("a", id, state, paused), (false, String::new()), "{id} {state:?}");
+        }
+    }
 
     #[test]
     fn the_time_alone_doubles_up_to_twenty_seconds() {

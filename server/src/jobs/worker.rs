@@ -32,6 +32,7 @@ use super::reuse;
 use super::sink::JobSink;
 use super::system::Shell;
 use crate::cpu;
+use crate::ledger::first_error::FirstError;
 use crate::ledger::record::{Cause, Reached, Record, State, Work};
 use crate::log::wanted::Wanted;
 use crate::log::writer::{Ended, Place, Small, Writer};
@@ -100,6 +101,10 @@ fn refused((cause, findings): (Cause, Vec<Finding>)) -> Change {
         record.state = State::Failed;
         record.runs.cause = Some(cause);
         record.error = error;
+        record.first_error = findings
+            .iter()
+            .find(|finding| finding.error)
+            .map(|finding| FirstError::new(0, (&finding.text, &finding.file), finding.line, 0));
         record.findings = findings.into_iter().map(Into::into).collect();
     })
 }
@@ -315,6 +320,7 @@ impl Through {
                 summary::State::Succeeded => State::Succeeded,
             };
             record.runs.cause = (record.state == State::Failed).then_some(cause);
+            record.first_error = FirstError::of(summary).filter(|_| record.state == State::Failed);
             record.runs.reached = reached.filter(|_| record.state == State::Failed);
             record.events = outcome.events;
             record.runs.limit = limit;

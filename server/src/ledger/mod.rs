@@ -5,6 +5,7 @@
 //! read is reported to callers that request it and hidden from all others.
 
 pub(crate) mod crashes;
+pub(crate) mod first_error;
 pub(crate) mod prefix;
 pub(crate) mod record;
 pub(crate) mod settled;

@@ -14,7 +14,7 @@ use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::options::{Limits, Options};
 use serde::{Deserialize, Serialize};
 
-use super::crashes::Crashes;
+use super::{crashes::Crashes, first_error::FirstError};
 use crate::clock::Clock;
 pub(crate) use crate::clock::now_ms;
 use crate::machines::{Definition, Pinned};
@@ -358,6 +358,9 @@ pub struct Record {
     /// Digest of the log.
     #[serde(default)]
     pub log_digest: String,
+    /// Its first error.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_error: Option<FirstError>,
 }
 
 impl Record {
@@ -389,6 +392,7 @@ impl Record {
             error: String::new(),
             findings: Vec::new(),
             log_digest: String::new(),
+            first_error: None,
         }
     }
 

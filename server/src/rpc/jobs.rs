@@ -108,13 +108,15 @@ impl Service for Jobs {
                     reader.map(|reader| reader.description().clone())
                 }
             };
-            let options = options(&record, &work);
+            let (options, pinned_machine) = (options(&record, &work), record.machine.full_name());
             let file = |(path, digest): (String, String)| v1::FileRef { path, digest };
+            let mut status = status(record);
+            core.alone().iter().for_each(|alone| alone.mark(&mut status));
             let answer = v1::GetJobResponse {
                 files: work.files.into_iter().map(file).collect(),
                 options: Some(options),
-                pinned_machine: record.machine.full_name(),
-                status: Some(status(record)),
+                pinned_machine,
+                status: Some(status),
                 description,
             };
             let taken = core.memory().take_for_answer(ANSWER_COPIES * answer.encoded_len() as u64)?;
@@ -148,6 +150,9 @@ impl Service for Jobs {
             let mut jobs: Vec<_> = page.jobs.into_iter().map(|record| status(core.current(record))).collect();
             for (job, short_id) in jobs.iter_mut().zip(page.short_ids) {
                 job.short_id = short_id;
+            }
+            if let Some(alone) = core.alone() {
+                jobs.iter_mut().for_each(|job| alone.mark(job));
             }
             Ok(counted(v1::ListJobsResponse { jobs, next_page_token: page.next.unwrap_or_default() }, taken))
         });

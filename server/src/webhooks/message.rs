@@ -47,6 +47,7 @@ impl Message {
                 "state": state,
                 "cause": record.runs.cause.map(cause),
                 "error": record.error,
+                "first_error": record.first_error,
                 "verdict": record.verdict,
                 "limit": record.runs.reached.map(|limit| limit.name()),
                 "reused_from": Some(&record.reuse.from).filter(|from| !from.is_empty()),

@@ -14,6 +14,7 @@ use super::Webhooks;
 use super::delivery::Retries;
 use super::message::Message;
 use super::target::Target;
+use crate::ledger::first_error::FirstError;
 use crate::ledger::record::tests::record;
 use crate::ledger::record::{Cause, Record, State};
 use crate::metrics::Metrics;
@@ -136,6 +137,21 @@ fn a_message_names_the_job_whose_results_were_reused() {
     assert_eq!(data(&record), serde_json::Value::Null);
     record.reuse.from = "5".to_owned();
     assert_eq!(data(&record), "5");
+}
+
+#[test]
+fn a_message_has_the_first_error_of_a_failed_job() {
+    let data = |record: &Record| {
+        let body: serde_json::Value = serde_json::from_str(&Message::of(record).body).unwrap();
+        body["data"]["first_error"].clone()
+    };
+    let mut record = ended("7", "default", State::Failed);
+    assert_eq!(data(&record), serde_json::Value::Null);
+    record.first_error = Some(FirstError::new(2_900_061, ("division by zero", "part.nc"), 3, 1));
+    let expected = serde_json::json!({
+        "number": 2_900_061, "text": "division by zero", "file": "part.nc", "line": 3, "channel": 1,
+    });
+    assert_eq!(data(&record), expected);
 }
 
 #[test]

@@ -64,12 +64,21 @@ async fn the_log_and_the_status_name_a_job_that_runs_alone_and_the_end_of_that()
     assert!(status(&server, &job).await.suspect);
     let workers = AdminClient::new(connected(&server).await).list_workers(v1::ListWorkersRequest {}).await;
     assert!(workers.unwrap().into_inner().workers.iter().all(|worker| worker.suspect));
+    let waiting = submit(&server, "waiting").await;
+    let waits = status(&server, &waiting).await;
+    let listed = JobsClient::new(connected(&server).await).list_jobs(v1::ListJobsRequest::default()).await;
+    let listed = listed.unwrap().into_inner().jobs.pop().unwrap();
+    for waits in [waits, listed] {
+        assert_eq!((waits.waits_for_suspect, &waits.waits_for_job), (true, &job), "{waits:?}");
+    }
+    assert!(!status(&server, &job).await.waits_for_suspect);
     warning(
         &server
             .until(&format!("no longer a suspect: other jobs run beside it, no action is needed job=\"{job}\""))
             .await,
     );
     assert!(!status(&server, &job).await.suspect);
+    assert!(!status(&server, &waiting).await.waits_for_suspect);
 }
 
 #[tokio::test]

@@ -208,6 +208,10 @@ impl Queue for LocalQueue {
         self.suspects.take_cleared()
     }
 
+    fn alone(&self) -> Option<&str> {
+        self.suspects.alone()
+    }
+
     fn before(&self, id: &str) -> usize {
         if let Some((tenant, spot)) = self.spots.get(id) {
             let own = self.lines.get(tenant).map_or(0, |line| line.before(*spot));

@@ -76,6 +76,11 @@ impl Suspects {
         self.alone.is_some()
     }
 
+    /// The suspect that runs alone.
+    pub(super) fn alone(&self) -> Option<&str> {
+        self.alone.as_ref().map(|alone| alone.id.as_str())
+    }
+
     /// Ends the run of a job. A suspect that has run alone for its time is cleared.
     pub(super) fn stop(&mut self, id: &str, now: Instant) {
         let Some(alone) = self.alone.take_if(|alone| alone.id == id) else { return };
