@@ -235,3 +235,21 @@ fn the_status_of_a_failed_job_has_its_first_error() {
     let (_, _, talk) = server.call(&["wait", &job]);
     assert!(talk.contains("missing.nc:2"), "the end names the first error: {talk}");
 }
+
+#[test]
+fn an_unknown_machine_has_suggestions() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let clean = program(folder.path(), "clean.nc", CLEAN);
+    let refused = |name: &str| {
+        let (code, _, talk) = server.call(&["submit", "--machine", name, &clean]);
+        assert_eq!(code, 2, "{talk}");
+        talk
+    };
+    let talk = refused("fanuc-mil");
+    assert!(talk.contains("no machine 'fanuc-mil'; did you mean 'fanuc-mill'?"), "{talk}");
+    let talk = refused("siemens");
+    assert!(talk.contains("did you mean 'siemens-mill', 'siemens-lathe' or "), "{talk}");
+    let talk = refused("nosuch");
+    assert!(talk.contains("no machine 'nosuch'; `counterpoint machine list` lists the machines"), "{talk}");
+}

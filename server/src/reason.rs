@@ -31,8 +31,13 @@ pub enum Refusal {
     #[error("no job '{0}'")]
     UnknownJob(String),
     /// No such machine.
-    #[error("no machine '{0}'")]
-    UnknownMachine(String),
+    #[error("no machine '{name}'; {}`counterpoint machine list` lists the machines", meant(.near))]
+    UnknownMachine {
+        /// The name in the request.
+        name: String,
+        /// Machines that were probably meant.
+        near: Vec<String>,
+    },
     /// No such channel in the job.
     #[error("the job has no channel {0}")]
     UnknownChannel(u32),
@@ -189,6 +194,15 @@ impl Refusal {
         Self::InvalidField { field: field.into(), text: text.into() }
     }
 
+/// The question whether one of these names was meant, before more text.
+fn meant(near: &[String]) -> String {
+    match near {
+        [] => String::new(),
+        [one] => format!("did you mean '{one}'? "),
+        [several @ .., last] => format!("did you mean '{}' or '{last}'? ", several.join("', '")),
+    }
+}
+
     /// Adds the job to the text of lost data, unless the text has it.
     pub(crate) fn of_job(self, id: &str) -> Self {
         match self {
@@ -228,7 +242,7 @@ impl Refusal {
             Self::InvalidField { .. } => ("INVALID_REQUEST", Code::InvalidArgument),
             Self::RequestIdReused(_) => ("REQUEST_ID_REUSED", Code::AlreadyExists),
             Self::UnknownJob(_) => ("UNKNOWN_JOB", Code::NotFound),
-            Self::UnknownMachine(_) => ("UNKNOWN_MACHINE", Code::NotFound),
+            Self::UnknownMachine { .. } => ("UNKNOWN_MACHINE", Code::NotFound),
             Self::UnknownChannel(_) => ("UNKNOWN_CHANNEL", Code::NotFound),
             Self::UnknownFile(_) => ("UNKNOWN_FILE", Code::NotFound),
             Self::UnknownBlob(_) => ("UNKNOWN_BLOB", Code::NotFound),
@@ -382,7 +396,7 @@ mod tests {
         let long = "ü".repeat(1 << 20);
         for refusal in [
             Refusal::UnknownJob(long.clone()),
-            Refusal::UnknownMachine(long.clone()),
+            Refusal::UnknownMachine { name: long.clone(), near: vec![long.clone()] },
             Refusal::field(format!("labels[{long}]"), &long),
             Refusal::MachineInvalid(vec![(long.clone(), long.clone()); 30]),
         ] {

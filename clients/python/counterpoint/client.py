@@ -98,7 +98,9 @@ class Client(Watching, Results):
             return self._call(self._jobs.SubmitJob, request).status.job_id
         except Refused as refusal:
             if refusal.reason == "UNKNOWN_MACHINE":
-                message = f"{refusal.message}: the server has {', '.join(self.machines())}"
+                # The rest of the message names a command for a shell.
+                missing = refusal.message.split(";")[0]
+                message = f"{missing}: the server has {', '.join(self.machines())}"
                 raise UnknownMachine(refusal.reason, refusal.code, message) from None
             raise
 

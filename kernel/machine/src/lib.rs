@@ -29,3 +29,4 @@ pub use load::{
     is_section_of_composites, load, without_key,
 };
 pub use model::Machine;
+pub use toml::suggest::similar;

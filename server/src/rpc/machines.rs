@@ -103,7 +103,7 @@ impl Service for Machines {
         let (core, removed) = (self.0.clone(), name.clone());
         match to_the_end(&caller, async move { core.ledger.remove_machine(tenant, removed, trusted).await }).await? {
             true => Ok(Response::new(v1::DeleteMachineResponse {})),
-            false => Err(Refusal::UnknownMachine(name).into()),
+            false => Err(submit::unknown_machine(&self.0, caller.tenant(), &name)?.into()),
         }
     }
 

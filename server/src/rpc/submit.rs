@@ -8,7 +8,7 @@ use std::sync::Arc;
 use counterpoint_kernel::diag;
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::job::Program;
-use counterpoint_kernel::machine::signs;
+use counterpoint_kernel::machine::{signs, similar};
 use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 use prost::Message as _;
@@ -19,7 +19,7 @@ use crate::blobs::digest;
 use crate::jobs::Core;
 use crate::ledger::NewJob;
 use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, Work, now_ms};
-use crate::machines::{Definition, candidates, is_shipped};
+use crate::machines::{Definition, candidates, is_shipped, shipped};
 use crate::memory::Taken;
 use crate::reason::Refusal;
 
@@ -307,7 +307,21 @@ pub(super) fn machine(core: &Core, tenant: &str, name: &str) -> Result<Definitio
     if is_shipped(name) {
         return Ok(Definition::shipped(name));
     }
-    Err(Refusal::UnknownMachine(name.to_owned()))
+    Err(unknown_machine(core, tenant, name)?)
+}
+
+/// Most machines that a refusal suggests.
+const SUGGESTED: usize = 3;
+
+/// The refusal of a name that no machine has, with the machines that were probably meant.
+pub(super) fn unknown_machine(core: &Core, tenant: &str, name: &str) -> Result<Refusal, Refusal> {
+    let own = core.ledger.machines(tenant)?;
+    let shipped = shipped().iter().map(String::as_str);
+    let mut names: Vec<&str> = own.iter().map(|definition| definition.name.as_str()).chain(shipped).collect();
+    names.sort_unstable();
+    names.dedup();
+    let near = similar(name.split('@').next().unwrap_or(name), &names, SUGGESTED);
+    Ok(Refusal::UnknownMachine { name: name.to_owned(), near: near.into_iter().map(str::to_owned).collect() })
 }
 
 /// Digest of a client's request, without the request id. It covers nothing of the server, and a field unknown to the

@@ -13,13 +13,35 @@ pub(crate) fn did_you_mean<'n>(name: &str, names: impl IntoIterator<Item = &'n s
 /// The nearest of the names, when it is near enough to be meant.
 pub(crate) fn nearest<'n>(name: &str, names: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let wanted: Vec<char> = name.chars().take(MAX_NAME).map(|c| c.to_ascii_uppercase()).collect();
-    let limit = (wanted.len() / 4).clamp(1, 4);
+    let limit = limit(&wanted);
     names
         .into_iter()
         .map(|candidate| (score(&wanted, candidate), candidate))
         .filter(|(score, candidate)| *score <= limit && *score < candidate.len())
         .min_by_key(|(score, _)| *score)
         .map(|(_, candidate)| candidate)
+}
+
+/// The names that were probably meant, at most `most`, the nearest first; if none is near, those that begin with the
+/// name.
+#[must_use]
+pub fn similar<'n>(name: &str, names: &[&'n str], most: usize) -> Vec<&'n str> {
+    /// Fewest characters of the beginning of a name.
+    const FEWEST: usize = 3;
+    let wanted: Vec<char> = name.chars().take(MAX_NAME).map(|c| c.to_ascii_uppercase()).collect();
+    let scored = |candidate: &&'n str| (score(&wanted, candidate), candidate.len(), *candidate);
+    let mut found: Vec<_> = names.iter().map(scored).filter(|(score, ..)| *score <= limit(&wanted)).collect();
+    if found.is_empty() && wanted.len() >= FEWEST {
+        let begins = |candidate: &&&'n str| candidate.get(..name.len()).is_some_and(|b| b.eq_ignore_ascii_case(name));
+        found = names.iter().filter(begins).map(|candidate| (0, candidate.len(), *candidate)).collect();
+    }
+    found.sort_unstable();
+    found.into_iter().take(most).map(|(.., candidate)| candidate).collect()
+}
+
+/// Most mistakes in a name that is suggested for another one.
+fn limit(wanted: &[char]) -> usize {
+    (wanted.len() / 4).clamp(1, 4)
 }
 
 /// Distance; a missing `CODE_` or `REG_` counts as one mistake.
@@ -67,5 +89,14 @@ mod tests {
         assert_eq!(nearest("banana", ["order", "group"]), None);
         assert_eq!(nearest("Q", ["X", "Z"]), None);
         assert_eq!(nearest("", ["order"]), None);
+    }
+
+    #[test]
+    fn similar_names_are_near_or_begin_alike() {
+        let names = ["mill-5axis", "mill", "lathe", "lathe-b", "lathe-c"];
+        assert_eq!(similar("mil", &names, 3), ["mill"]);
+        assert_eq!(similar("lathe-d", &names, 2), ["lathe-b", "lathe-c"]);
+        assert_eq!(similar("LAT", &names, 2), ["lathe", "lathe-b"]);
+        assert!(similar("banana", &names, 3).is_empty() && similar("la", &names, 3).is_empty());
     }
 }
