@@ -55,12 +55,20 @@ fn rows(head: &[&str], rows: impl Iterator<Item = Vec<String>>, left: usize) -> 
 }
 
 async fn connections(client: &Client) -> Result<String, Error> {
-    let answer = client.admin().list_connections(v1::ListConnectionsRequest {}).await?.into_inner();
+    let (mut all, mut request) = (Vec::new(), v1::ListConnectionsRequest::default());
+    loop {
+        let page = client.admin().list_connections(request.clone()).await?.into_inner();
+        all.extend(page.connections);
+        if page.next_page_token.is_empty() {
+            break;
+        }
+        request.page_token = page.next_page_token;
+    }
     let row = |c: v1::ConnectionInfo| {
         vec![c.peer, c.tenant, c.identity, c.number.to_string(), c.open_calls.to_string(), c.calls.to_string()]
     };
     let head = ["peer", "tenant", "identity", "number", "open calls", "calls"];
-    Ok(rows(&head, answer.connections.into_iter().map(row), 3))
+    Ok(rows(&head, all.into_iter().map(row), 3))
 }
 
 async fn streams(client: &Client) -> Result<String, Error> {

@@ -253,3 +253,10 @@ fn an_unknown_machine_has_suggestions() {
     let talk = refused("nosuch");
     assert!(talk.contains("no machine 'nosuch'; `counterpoint machine list` lists the machines"), "{talk}");
 }
+
+#[test]
+fn man_without_a_folder_prints_the_first_page() {
+    let output = Command::new(env!("CARGO_BIN_EXE_counterpoint")).arg("man").output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.starts_with(".TH \"counterpoint\" \"1\""), "{text}");
+}

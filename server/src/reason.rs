@@ -144,6 +144,12 @@ pub enum Refusal {
     /// Too many uploads are in progress.
     #[error("too many uploads are under way (max_uploads, max_uploads_per_connection)")]
     TooManyUploads,
+    /// Too many watches of the health service are open.
+    #[error("too many health watches are open, in all or from this address: end others, or call Check instead")]
+    TooManyHealthWatches,
+    /// The answer does not fit into a message.
+    #[error("the answer has {0} bytes, more than a message may have: {1}")]
+    AnswerTooLarge(usize, &'static str),
     /// The request of a call makes no progress.
     #[error("nothing of the request came for {0} s (upload_stall_s)")]
     CallStalled(u64),
@@ -188,12 +194,6 @@ pub enum Refusal {
     RefusedTooOften(Duration),
 }
 
-impl Refusal {
-    /// A wrong field.
-    pub(crate) fn field(field: impl Into<String>, text: impl Into<String>) -> Self {
-        Self::InvalidField { field: field.into(), text: text.into() }
-    }
-
 /// The question whether one of these names was meant, before more text.
 fn meant(near: &[String]) -> String {
     match near {
@@ -202,6 +202,12 @@ fn meant(near: &[String]) -> String {
         [several @ .., last] => format!("did you mean '{}' or '{last}'? ", several.join("', '")),
     }
 }
+
+impl Refusal {
+    /// A wrong field.
+    pub(crate) fn field(field: impl Into<String>, text: impl Into<String>) -> Self {
+        Self::InvalidField { field: field.into(), text: text.into() }
+    }
 
     /// Adds the job to the text of lost data, unless the text has it.
     pub(crate) fn of_job(self, id: &str) -> Self {
@@ -265,6 +271,8 @@ fn meant(near: &[String]) -> String {
             Self::Storage(_) => ("STORAGE", Code::Unavailable),
             Self::DiskFull(_) => ("DISK_FULL", Code::ResourceExhausted),
             Self::DataLoss(_) => ("DATA_LOSS", Code::DataLoss),
+            Self::TooManyHealthWatches => ("TOO_MANY_HEALTH_WATCHES", Code::ResourceExhausted),
+            Self::AnswerTooLarge(..) => ("ANSWER_TOO_LARGE", Code::ResourceExhausted),
             Self::TooManyUploads => ("TOO_MANY_UPLOADS", Code::ResourceExhausted),
             Self::CallStalled(_) => ("CALL_STALLED", Code::DeadlineExceeded),
             Self::UploadStalled(_) => ("UPLOAD_STALLED", Code::DeadlineExceeded),

@@ -71,6 +71,9 @@ const LASTING: &[&str] = &["WatchJob", "WaitJob", "Upload", "Attend", "WatchQues
 /// Calls whose clients may send messages until the call ends; `other` includes reflection, but not health checks.
 const SENDING: &[&str] = &["Upload", "Attend", "Debug", "other"];
 
+/// The services of reflection.
+const REFLECTION: [&str; 2] = ["grpc.reflection.v1.ServerReflection", "grpc.reflection.v1alpha.ServerReflection"];
+
 /// Whether a client of the call of a path may send any number of messages.
 pub(crate) fn sends_many(path: &str) -> bool {
     SENDING.contains(&name(path)) && !is_of_health(path)
@@ -83,7 +86,18 @@ pub(crate) fn is_of_health(path: &str) -> bool {
 
 /// Whether the call of a path ends with the rights of its caller: it may last for hours.
 pub(crate) fn ends_with_rights(path: &str) -> bool {
-    lasts(path) || name(path) == "WatchJobs"
+    lasts(path) || name(path) == "WatchJobs" || is_of_reflection(path)
+}
+
+/// Whether a path belongs to the reflection service, whose clients may hold their stream open.
+fn is_of_reflection(path: &str) -> bool {
+    let service = path.strip_prefix('/').and_then(|path| path.split('/').next());
+    service.is_some_and(|service| REFLECTION.contains(&service))
+}
+
+/// Whether the call of a path follows the health of the server until its client leaves.
+pub(crate) fn watches_health(path: &str) -> bool {
+    path == "/grpc.health.v1.Health/Watch"
 }
 
 /// Whether the call of a path may last however fast the server is.
@@ -98,7 +112,7 @@ pub(crate) fn needs(path: &str) -> Needs {
     };
     match service {
         "grpc.health.v1.Health" => Needs::Nothing,
-        "grpc.reflection.v1.ServerReflection" | "grpc.reflection.v1alpha.ServerReflection" => Needs::Role(Role::Read),
+        service if REFLECTION.contains(&service) => Needs::Role(Role::Read),
         _ => {
             let row = CALLS.iter().find(|(of, name, _)| *of == service && *name == call);
             row.map_or(Needs::Unknown, |(_, _, role)| Needs::Role(*role))

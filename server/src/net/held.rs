@@ -1,5 +1,6 @@
 //! The body of an answer that keeps its call and its memory counted until it has been sent.
 
+use std::net::IpAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
@@ -13,6 +14,7 @@ use tonic::body::Body;
 use crate::access::fair::Stay;
 use crate::connections::Call;
 use crate::memory::Taken;
+use crate::places::Place;
 
 /// Ready when a call has lost its rights, with the status to end the call.
 pub(super) type Ended = Pin<Box<dyn Future<Output = Status> + Send>>;
@@ -26,11 +28,12 @@ pub(super) struct Held {
     _call: Call,
     stay: Option<Stay>,
     _taken: Option<Arc<Taken>>,
+    _place: Option<Place<IpAddr>>,
 }
 
 impl Held {
     pub(super) fn new(body: Body, call: Call, stay: Option<Stay>, taken: Option<Arc<Taken>>) -> Self {
-        Self { body, ended: None, over: false, _call: call, stay, _taken: taken }
+        Self { body, ended: None, over: false, _call: call, stay, _taken: taken, _place: None }
     }
 }
 
@@ -38,6 +41,11 @@ impl Held {
     /// The body of a call that ends with its rights.
     pub(super) fn until(self, ended: Option<Ended>) -> Self {
         Self { ended, ..self }
+    }
+
+    /// The body of a call that keeps a place until its end.
+    pub(super) fn keeping(self, place: Option<Place<IpAddr>>) -> Self {
+        Self { _place: place, ..self }
     }
 }
 

@@ -16,7 +16,7 @@ mod web;
 
 use std::convert::Infallible;
 use std::future::Future;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::time::Duration;
@@ -57,6 +57,9 @@ pub(crate) const MAX_MESSAGE: usize = 4 << 20;
 /// Maximum size of a message to the health service, bytes. This service needs no identity, so its messages must not
 /// take memory from other calls.
 pub(crate) const MAX_OF_HEALTH: usize = 4 << 10;
+/// Maximum number of open watches of the health service, and of those from one address. They need no identity.
+const HEALTH_WATCHES: usize = 256;
+const HEALTH_WATCHES_OF_AN_ADDRESS: usize = 32;
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
 const FRAME: u32 = 128 * 1024;
 /// Bytes that a stream may hold for a client that does not read.
@@ -91,6 +94,7 @@ pub(crate) async fn serve(
     let (options, listed) = (&core.options, core.connections.clone());
     let most = options.connections.max_connections.min(descriptors().saturating_sub(RESERVE).max(16) as usize);
     let places = Arc::new(Places::new(most, options.connections.max_connections_per_address));
+    let health = Arc::new(Places::new(HEALTH_WATCHES, HEALTH_WATCHES_OF_AN_ADDRESS));
     let patience = Patience {
         preface: Duration::from_secs(options.connections.preface_s),
         idle: Duration::from_secs(options.connections.idle_s),
@@ -127,8 +131,8 @@ pub(crate) async fn serve(
                 let (closing, open) = (closing.clone(), connections.subscribe());
                 let info = TcpConnectInfo { local_addr: stream.local_addr().ok(), remote_addr: Some(peer) };
                 let (names, drain, pause) = (CertificateNames::default(), core.drain.follow(), Pause::default());
-                let memory = core.memory().clone();
-                let peer = Peer { address: peer, info, names, gate, memory, drain, pause };
+                let (memory, health) = (core.memory().clone(), health.clone());
+                let peer = Peer { address: peer, info, names, gate, memory, health, drain, pause };
                 // Ends with the connection.
                 tokio::spawn(async move {
                     connection(stream, (peer, listed), routes, patience, closing).await;
@@ -190,6 +194,8 @@ struct Peer {
     names: CertificateNames,
     gate: Arc<Gate>,
     memory: Arc<Memory>,
+    /// Places for watches of the health service.
+    health: Arc<Places<IpAddr>>,
     drain: watch::Receiver<bool>,
     pause: Pause,
 }
@@ -316,6 +322,13 @@ async fn answer(
         }
         return Ok(refused.map(|body| Held::new(body, call, None, None)));
     }
+    let place = match calls::watches_health(&path).then(|| peer.health.take(peer.address.ip())) {
+        Some(None) => {
+            let refused = peer.gate.refuse(peer.address, caller.as_ref(), &path, Refusal::TooManyHealthWatches);
+            return Ok(refused.map(|body| Held::new(body, call, None, None)));
+        }
+        place => place.flatten(),
+    };
     let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
     caller.iter().for_each(|caller| peer.gate.note_before(peer.address, caller, &path));
     let unanswered = Unanswered::new(peer.clone(), caller.clone(), path.clone());
@@ -362,7 +375,7 @@ async fn answer(
         web::allow(response.headers_mut(), origin);
     }
     let taken = response.extensions_mut().remove();
-    Ok(response.map(|body| Held::new(body, call, stay, taken).until(rights)))
+    Ok(response.map(|body| Held::new(body, call, stay, taken).until(rights).keeping(place)))
 }
 
 /// Maximum size of a message to the call of a path, bytes, and the budget that counts it: none for health checks.

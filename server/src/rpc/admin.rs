@@ -6,13 +6,48 @@ use std::sync::atomic::Ordering;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::admin_server::Admin as Service;
+use prost::Message as _;
 use tonic::{Request, Response, Status};
 
-use super::{Admin, blocking};
+use super::door::enter;
+use super::{Admin, HEAD, PAGE, blocking};
+use crate::connections::Seen;
 use crate::jobs::live::Live;
+use crate::reason::Refusal;
 
 fn count(value: usize) -> u32 {
     u32::try_from(value).unwrap_or(u32::MAX)
+}
+
+/// An open connection.
+fn connection(seen: Seen) -> v1::ConnectionInfo {
+    v1::ConnectionInfo {
+        number: seen.number,
+        peer: seen.peer.to_string(),
+        since_ms: seen.since_ms,
+        identity: seen.identity.as_ref().map_or_else(String::new, |identity| identity.name.clone()),
+        tenant: seen.identity.as_ref().map_or_else(String::new, |identity| identity.tenant.clone()),
+        open_calls: count(seen.open),
+        calls: seen.all,
+    }
+}
+
+/// Most connections of a page.
+const CONNECTIONS: usize = 1000;
+
+/// The first page of connections, and the token of the next page: the number of the last connection.
+fn connections_page(all: impl Iterator<Item = v1::ConnectionInfo>, size: usize) -> (Vec<v1::ConnectionInfo>, String) {
+    let size = if size == 0 { usize::MAX } else { size.min(CONNECTIONS) };
+    let (mut page, mut bytes) = (Vec::<v1::ConnectionInfo>::new(), 0);
+    for connection in all {
+        bytes += connection.encoded_len() + HEAD;
+        if let Some(last) = page.last().filter(|_| page.len() >= size || bytes > PAGE) {
+            let token = last.number.to_string();
+            return (page, token);
+        }
+        page.push(connection);
+    }
+    (page, String::new())
 }
 
 /// A running job.
@@ -38,18 +73,18 @@ fn worker(live: &Live) -> v1::WorkerInfo {
 impl Service for Admin {
     async fn list_connections(
         &self,
-        _: Request<v1::ListConnectionsRequest>,
+        request: Request<v1::ListConnectionsRequest>,
     ) -> Result<Response<v1::ListConnectionsResponse>, Status> {
-        let connections = self.core.connections.seen().into_iter().map(|seen| v1::ConnectionInfo {
-            number: seen.number,
-            peer: seen.peer.to_string(),
-            since_ms: seen.since_ms,
-            identity: seen.identity.as_ref().map_or_else(String::new, |identity| identity.name.clone()),
-            tenant: seen.identity.as_ref().map_or_else(String::new, |identity| identity.tenant.clone()),
-            open_calls: count(seen.open),
-            calls: seen.all,
-        });
-        Ok(Response::new(v1::ListConnectionsResponse { connections: connections.collect() }))
+        let (_, v1::ListConnectionsRequest { page_size, page_token }) = enter(request)?;
+        let after = match page_token.as_str() {
+            "" => 0,
+            token => {
+                token.parse().map_err(|_| Refusal::field("page_token", "is not a next_page_token of this call"))?
+            }
+        };
+        let seen = self.core.connections.seen().into_iter().filter(|seen| seen.number > after);
+        let (connections, next_page_token) = connections_page(seen.map(connection), page_size as usize);
+        Ok(Response::new(v1::ListConnectionsResponse { connections, next_page_token }))
     }
 
     async fn list_streams(
@@ -103,5 +138,28 @@ impl Service for Admin {
             after_bytes: done.after,
             waited_ms: u64::try_from(done.time.as_millis()).unwrap_or(u64::MAX),
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_of_connections_ends_at_its_size_and_at_the_size_of_a_message() {
+        let all = |identity: &str| -> Vec<v1::ConnectionInfo> {
+            let one = |number| v1::ConnectionInfo { number, identity: identity.to_owned(), ..Default::default() };
+            (1..=2500).map(one).collect()
+        };
+        let numbers = |page: &[v1::ConnectionInfo]| (page[0].number, page[page.len() - 1].number);
+        let (page, next) = connections_page(all("ci").into_iter(), 0);
+        assert_eq!((numbers(&page), next.as_str()), ((1, 2500), ""));
+        let (page, next) = connections_page(all("ci").into_iter(), 5000);
+        assert_eq!((numbers(&page), next.as_str()), ((1, 1000), "1000"));
+        let (page, next) = connections_page(all("ci").into_iter().skip(2000), 500);
+        assert_eq!((numbers(&page), next.as_str()), ((2001, 2500), ""));
+        let (page, next) = connections_page(all(&"x".repeat(2000)).into_iter(), 0);
+        let bytes = v1::ListConnectionsResponse { connections: page.clone(), next_page_token: next.clone() };
+        assert!(bytes.encoded_len() < 4 << 20 && next == page.len().to_string(), "{next}");
     }
 }

@@ -223,6 +223,7 @@ bounded! {
     GetFileRequest { job_id: id, path: token }
     GetMachineRequest { name: machine }
     ListMachinesRequest { page_token: machine }
+    ListConnectionsRequest { page_token: id }
     DeleteMachineRequest { name: machine }
     DownloadRequest { digest: digest }
     WatchQuestionsRequest { job_id: id }

@@ -5,6 +5,7 @@ use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::machine::show::{self, Show};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::machines_server::Machines as Service;
+use prost::Message as _;
 use tonic::{Request, Response, Status};
 
 use super::door::{enter, some_entries};
@@ -13,7 +14,17 @@ use crate::access::Role;
 use crate::jobs::Core;
 use crate::jobs::describe::finding;
 use crate::machines::{Checked, Definition, is_name, is_shipped, shipped};
+use crate::net::MAX_MESSAGE;
 use crate::reason::Refusal;
+
+/// An answer that fits into a message.
+fn fitting(answer: v1::GetMachineResponse, most: usize) -> Result<v1::GetMachineResponse, Refusal> {
+    const REMEDY: &str = "ask for one section, or for none and read the files with Download";
+    match answer.encoded_len() {
+        bytes if bytes > most => Err(Refusal::AnswerTooLarge(bytes, REMEDY)),
+        _ => Ok(answer),
+    }
+}
 
 #[tonic::async_trait]
 impl Service for Machines {
@@ -62,7 +73,8 @@ impl Service for Machines {
                 None => return Err(invalid(&checked.findings)),
             };
             let file = |(path, digest)| v1::MachineFile { path, digest };
-            Ok(v1::GetMachineResponse { machine, files: definition.files.into_iter().map(file).collect(), text })
+            let files = definition.files.into_iter().map(file).collect();
+            fitting(v1::GetMachineResponse { machine, files, text }, MAX_MESSAGE)
         });
         Ok(Response::new(answer.await?))
     }

@@ -22,7 +22,7 @@ async fn only_administrators_see_connections_streams_and_workers() {
     let (operator, admin) = (grant(&options, "op", "t", Role::Operate), grant(&options, "root", "it", Role::Admin));
     let server = Server::start(options).await;
     let (operator, admin) = (As::new(&server, &operator), As::new(&server, &admin));
-    assert!(denied(operator.admin().list_connections(v1::ListConnectionsRequest {}).await));
+    assert!(denied(operator.admin().list_connections(v1::ListConnectionsRequest::default()).await));
     assert!(denied(operator.admin().list_streams(v1::ListStreamsRequest {}).await));
     assert!(denied(operator.admin().list_workers(v1::ListWorkersRequest {}).await));
     assert!(denied(operator.admin().collect(v1::CollectRequest {}).await));
@@ -47,7 +47,7 @@ async fn only_administrators_see_connections_streams_and_workers() {
     let streams = admin.admin().list_streams(v1::ListStreamsRequest {}).await.unwrap().into_inner().streams;
     assert_eq!(streams.len(), 1, "{streams:?}");
     assert_eq!((streams[0].job_id.as_str(), streams[0].position, streams[0].behind), (running.as_str(), 30, 0));
-    let listed = admin.admin().list_connections(v1::ListConnectionsRequest {}).await.unwrap().into_inner();
+    let listed = admin.admin().list_connections(v1::ListConnectionsRequest::default()).await.unwrap().into_inner();
     let [connection] = &listed.connections[..] else { panic!("{listed:?}") };
     assert_eq!((connection.identity.as_str(), connection.tenant.as_str()), ("root", "it"), "who called last");
     assert!(connection.peer.starts_with("127.0.0.1:") && connection.since_ms > 0 && connection.calls >= 8);

@@ -117,6 +117,7 @@ async fn every_text_of_every_request_has_a_limit_that_its_refusal_names() {
             "Machines/GetMachine" GetMachineRequest.name, "Machines/PutMachine" PutMachineRequest.name,
             "Machines/CheckMachine" CheckMachineRequest.name, "Machines/DeleteMachine" DeleteMachineRequest.name,
             "Machines/ListMachines" ListMachinesRequest.page_token,
+            "Admin/ListConnections" ListConnectionsRequest.page_token,
             "Results/GetListing" GetListingRequest.job_id, "Results/GetTrace" GetTraceRequest.job_id,
             "Results/GetTimeline" GetTimelineRequest.job_id, "Results/GetToolpath" GetToolpathRequest.job_id,
             "Results/GetSummary" GetSummaryRequest.job_id, "Results/GetEvents" GetEventsRequest.job_id,

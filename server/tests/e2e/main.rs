@@ -56,6 +56,7 @@ mod killed;
 mod life;
 mod limited;
 mod limits;
+mod long_calls;
 mod many;
 #[cfg(target_os = "linux")]
 mod memory;

@@ -179,7 +179,7 @@ async fn encryption_without_identities_stays_on_this_computer() {
     let caller = As { connection: connect(&server.0, config).await.unwrap(), bearer: Bearer(None) };
     let job = caller.submit("r", "fanuc-2path-lathe", "EVENTS 3").await.unwrap();
     assert_eq!(job.tenant, "default");
-    let listed = caller.admin().list_connections(v1::ListConnectionsRequest {}).await.unwrap().into_inner();
+    let listed = caller.admin().list_connections(v1::ListConnectionsRequest::default()).await.unwrap().into_inner();
     assert_eq!(listed.connections.len(), 1, "the call needs the role admin");
     assert_eq!(listed.connections[0].identity, "anonymous");
     stop(server).await;
