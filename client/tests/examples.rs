@@ -1,4 +1,4 @@
-//! Runs the example clients in Go, for Node and for browsers against a server. An example whose tools or packages are
+//! Runs the example clients in Go, in C#, for Node and for browsers against a server. An example whose tools or packages are
 //! absent is skipped with a message.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
@@ -91,9 +91,21 @@ fn check(command: &dyn Fn() -> Command, dash: &str, folder: &Path) {
     let output = run(&wrong, "fanuc-mill", &[], &two[..1]);
     assert_eq!((output.status.code(), text(&output).lines().count()), (Some(3), 1), "{}", text(&output));
     assert!(text(&output).contains(&wrong) && text(&output).contains("check the address"), "{}", text(&output));
+    assert_prose(&text(&output));
     let output = run(&address, "fanuc-mil", &[], &two[..1]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));
     assert!(text(&output).contains("no machine 'fanuc-mil'"), "{}", text(&output));
+    assert_prose(&text(&output));
+}
+
+/// An error is a sentence: it has no code of gRPC, and no text of the operating system or of OpenSSL.
+fn assert_prose(text: &str) {
+    for raw in ["UNAVAILABLE", "UNAUTHENTICATED", "NOT_FOUND", "Unavailable", "NotFound", "rpc error", "[not_found]"] {
+        assert!(!text.contains(raw), "{raw}: {text}");
+    }
+    for raw in ["ECONN", "SSL routines", ":error:", "OPENSSL", "errno", "Error: ", "at async", "undefined"] {
+        assert!(!text.contains(raw), "{raw}: {text}");
+    }
 }
 
 /// `GOFLAGS` may name a module file with local copies of the modules.
@@ -126,6 +138,43 @@ fn the_example_in_go_runs() {
     }
     let program = source.join("client");
     check(&|| Command::new(&program), "-", folder.path());
+}
+
+/// Restores the packages first, so that a computer that cannot get them skips the test.
+#[test]
+fn the_example_in_csharp_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("examples/csharp");
+    copy(&repository().join("examples/csharp"), &source);
+    copy(&repository().join("proto/counterpoint/v1"), &folder.path().join("proto/counterpoint/v1"));
+    let dotnet = |arguments: &[&str]| {
+        let mut command = Command::new("dotnet");
+        command.args(arguments).current_dir(&source).env("DOTNET_CLI_TELEMETRY_OPTOUT", "1");
+        command
+    };
+    if !prepared(&mut dotnet(&["--version"])) || !prepared(&mut dotnet(&["restore"])) {
+        return;
+    }
+    let output = dotnet(&["build", "--no-restore", "--output", "built"]).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output));
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let address = serve(&runtime, &folder.path().join("data"));
+    let programs = ["two-turret/upper.nc", "two-turret/lower.nc"].map(|name| repository().join("examples").join(name));
+    let run = |server: &str, machine: &str| {
+        let server = format!("http://{server}");
+        dotnet(&["built/counterpoint.dll", &server, machine]).args(&programs).output().unwrap()
+    };
+    let output = run(&address, "fanuc-2path-lathe");
+    assert!(output.status.success() && text(&output).contains("Succeeded after"), "{}", text(&output));
+    assert!(std::fs::read_to_string(source.join("summary.json")).unwrap().contains("\"SUCCEEDED\""));
+    let output = run(&silent(), "fanuc-mill");
+    assert_eq!((output.status.code(), text(&output).lines().count()), (Some(3), 1), "{}", text(&output));
+    assert!(text(&output).contains("check the address"), "{}", text(&output));
+    assert_prose(&text(&output));
+    let output = run(&address, "fanuc-mil");
+    assert_eq!((output.status.code(), text(&output).lines().count()), (Some(2), 1), "{}", text(&output));
+    assert!(text(&output).contains("no machine 'fanuc-mil'"), "{}", text(&output));
+    assert_prose(&text(&output));
 }
 
 /// The folder with the packages of an example: its own or `COUNTERPOINT_NODE_MODULES`. None = the test is skipped.
@@ -190,13 +239,21 @@ fn check_encrypted(command: &dyn Fn() -> Command, folder: &Path) {
         assert!(output.status.success() && text(&output).contains("SUCCEEDED after"), "{}", text(&output));
     }
     for (server, ca, part) in [
-        (format!("https://localhost:{port}"), "other.pem", "verify the first certificate"),
-        (format!("http://localhost:{port}"), "ca.pem", "with http or https"),
+        (format!("https://localhost:{port}"), "other.pem", "no known authority has signed the certificate"),
+        (format!("http://localhost:{port}"), "ca.pem", "it may expect https://"),
     ] {
         let output = run(&server, ca);
         assert_eq!((output.status.code(), text(&output).lines().count()), (Some(3), 1), "{}", text(&output));
         assert!(text(&output).contains(part), "{}", text(&output));
+        assert_prose(&text(&output));
     }
+    let mut unknown = command();
+    unknown.env("COUNTERPOINT_SERVER", format!("https://localhost:{port}")).env("COUNTERPOINT_TOKEN", "wrong");
+    unknown.env("COUNTERPOINT_CA", folder.join("ca.pem")).arg(examples.join("two-turret/upper.nc"));
+    let output = unknown.output().unwrap();
+    assert_eq!((output.status.code(), text(&output).lines().count()), (Some(3), 1), "{}", text(&output));
+    assert!(text(&output).contains("the token is not known") && text(&output).contains("COUNTERPOINT_TOKEN"));
+    assert_prose(&text(&output));
     let output = run(&format!("https://localhost:{port}"), "absent.pem");
     assert!(text(&output).starts_with("COUNTERPOINT_CA: "), "{}", text(&output));
 }

@@ -10,7 +10,7 @@ using Grpc.Net.Client;
 
 if (args.Length < 3)
 {
-    Console.Error.WriteLine("usage: ADDRESS MACHINE PROGRAM...");
+    Console.Error.WriteLine("usage: dotnet run -- ADDRESS MACHINE PROGRAM...");
     return 2;
 }
 
@@ -38,10 +38,26 @@ try
 }
 catch (RpcException error)
 {
-    // The server says what is wrong and what to do about it.
-    Console.Error.WriteLine($"{error.StatusCode}: {error.Status.Detail}");
-    return 1;
+    Console.Error.WriteLine(Sentence(error));
+    return error.StatusCode is StatusCode.Unavailable or StatusCode.Unauthenticated ? 3 : 2;
 }
+catch (Exception error) when (error is IOException or UnauthorizedAccessException)
+{
+    Console.Error.WriteLine(error.Message);
+    return 2;
+}
+
+// The message of the server names the fault and the remedy.
+static string Sentence(RpcException error) => error.StatusCode switch
+{
+    // A refusal of the server has details; a lost connection has none.
+    StatusCode.Unavailable when error.Trailers.Any(entry => entry.Key == "grpc-status-details-bin") =>
+        $"{error.Status.Detail}: try again later",
+    StatusCode.Unavailable =>
+        "no connection to the server: check the address with http or https, the certificates, and that counterpointd runs",
+    StatusCode.Unauthenticated => $"{error.Status.Detail}: put a token for this server into COUNTERPOINT_TOKEN",
+    _ => error.Status.Detail,
+};
 
 async Task<int> Run()
 {
@@ -84,6 +100,10 @@ async Task<int> Run()
     {
         Console.Error.WriteLine(status.Error);
         return 1;
+    }
+    if (status.FirstError is { } first)
+    {
+        Console.Error.WriteLine($"first error: {first.File}:{first.Line}: {first.Number} {first.Text}");
     }
     using var summary = results.GetSummary(new GetSummaryRequest { JobId = job }, headers);
     await using var file = File.Create("summary.json");

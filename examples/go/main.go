@@ -54,11 +54,33 @@ func main() {
 		fmt.Fprintln(os.Stderr, err)
 		os.Exit(3)
 	case err != nil:
-		// The message of the server names the fault and the remedy.
-		fmt.Fprintln(os.Stderr, status.Convert(err).Message())
+		fmt.Fprintln(os.Stderr, sentence(err))
+		if code := status.Code(err); code == codes.Unavailable || code == codes.Unauthenticated {
+			os.Exit(3)
+		}
 		os.Exit(2)
 	case state != v1.JobState_JOB_STATE_SUCCEEDED:
 		os.Exit(1)
+	}
+}
+
+// sentence describes an error: the message of the server names the fault and the remedy.
+func sentence(err error) string {
+	answer, ok := status.FromError(err)
+	if !ok {
+		return err.Error()
+	}
+	switch answer.Code() {
+	case codes.Unavailable:
+		// A refusal of the server has details; a lost connection has none.
+		if len(answer.Details()) > 0 {
+			return answer.Message() + ": try again later"
+		}
+		return "the connection to the server was lost: check that counterpointd runs, then try again"
+	case codes.Unauthenticated:
+		return answer.Message() + ": put a token for this server into COUNTERPOINT_TOKEN"
+	default:
+		return answer.Message()
 	}
 }
 
@@ -120,6 +142,9 @@ func (c *client) run(machine string, programs []string, values settings, listing
 		strings.TrimPrefix(ended.State.String(), "JOB_STATE_"), float64(ended.MakespanNs)/1e9)
 	if ended.Error != "" {
 		return 0, errors.New(ended.Error)
+	}
+	if first := ended.FirstError; first != nil {
+		fmt.Fprintf(os.Stderr, "first error: %s:%d: %d %s\n", first.File, first.Line, first.Number, first.Text)
 	}
 	return ended.State, c.save(job, listing)
 }
@@ -243,7 +268,7 @@ func (c *client) attend(job string, values settings) {
 		err = stream.Send(reply)
 	}
 	if !errors.Is(err, io.EOF) {
-		fmt.Fprintln(os.Stderr, "dialogs are no longer answered:", status.Convert(err).Message())
+		fmt.Fprintln(os.Stderr, "dialogs are no longer answered:", sentence(err))
 	}
 }
 

@@ -52,11 +52,46 @@ function pem(variable) {
   }
 }
 
-/** The cause in the details of a failed connection, in one line. */
+/** Causes of failed connections: a pattern for the text of Node or OpenSSL, and a sentence. */
+const CAUSES = [
+  [/ECONNREFUSED/, "nothing listens at this address"],
+  [/ENOTFOUND|EAI_AGAIN|Name resolution failed/, "the host has no known address"],
+  [/ETIMEDOUT|EHOSTUNREACH|ENETUNREACH|too slow/, "the host does not answer"],
+  [/wrong version number|packet length too long/, "the server does not encrypt: use http://"],
+  [/altnames|not match certificate/, "the certificate of the server is for another name than this host"],
+  [/has expired|not yet valid/, "the certificate of the server is not valid today"],
+  [
+    /unable to (verify|get)|self[- ]signed/,
+    "no known authority has signed the certificate of the server: COUNTERPOINT_CA must name the authority's file",
+  ],
+  [
+    /alert.*certificate|certificate required|handshake failure/,
+    "the server accepts no client without a known certificate: set COUNTERPOINT_CLIENT_CERT and COUNTERPOINT_CLIENT_KEY",
+  ],
+  [/ECONNRESET|GOAWAY|socket|closed|dropped/i, "the server has closed the connection: it may expect https://"],
+];
+
+/** The cause in the details of a failed connection, in words. */
 function reason(details) {
-  const known = /Last error: (?:Error[^:]*: )?(.*?)(?: \(\d{4}-[^)]*\))?\.? *Resolution note/s.exec(details);
-  const cause = known ? known[1] : details;
-  return cause === "undefined" ? "the cause is not known" : cause.replace(/\s+/g, " ").trim();
+  const known = CAUSES.find(([pattern]) => pattern.test(details));
+  return known ? known[1] : "the cause is not known";
+}
+
+/** An error of a call as a sentence: the message of the server names the fault and the remedy. */
+function sentence(error) {
+  // grpc-js leaves these characters of a message encoded.
+  const details = error.details?.replaceAll("%3F", "?").replaceAll("%23", "#");
+  switch (error.code) {
+    case grpc.status.UNAVAILABLE:
+      // A refusal of the server has details; a lost connection has none.
+      return error.metadata?.get("grpc-status-details-bin").length > 0
+        ? `${details}: try again later`
+        : `the connection to the server was lost (${reason(details)}): check that counterpointd runs, then try again`;
+    case grpc.status.UNAUTHENTICATED:
+      return `${details}: put a token for this server into COUNTERPOINT_TOKEN`;
+    default:
+      return details || error.message;
+  }
 }
 
 /** Connects within REACH_MS: one channel, with a stub for each service. */
@@ -73,10 +108,10 @@ async function connect(address) {
     await promisify(first.waitForReady.bind(first))(Date.now() + REACH_MS);
   } catch {
     // A call on the failed channel returns the cause, for example a certificate that is not accepted.
-    const cause = await call(first, "ListJobs", {}).then(() => "too slow", (error) => reason(error.details));
+    const cause = await call(first, "ListJobs", {}).then(() => reason("too slow"), (error) => reason(error.details));
     first.close();
-    const advice = "check the address with http or https, the certificates, and that counterpointd runs";
-    throw new Unreachable(`no connection to ${url} (${cause}): ${advice}`);
+    const advice = "check the address with http or https, and that counterpointd runs";
+    throw new Unreachable(`no connection to ${url}: ${cause}; ${advice}`);
   }
   const channelOverride = first.getChannel();
   const stub = (Service) => new Service(target, credentials, { channelOverride });
@@ -160,7 +195,7 @@ async function watch(server, jobId) {
 /** Answers every dialog with its first button of type OK and the values of the command line. */
 function attend(server, jobId, values) {
   const stream = server.operator.Attend(metadata());
-  stream.on("error", (error) => console.error(`dialogs are no longer answered: ${error.details}`));
+  stream.on("error", (error) => console.error(`dialogs are no longer answered: ${sentence(error)}`));
   stream.on("data", ({ content, question }) => {
     if (content !== "question") {
       return;
@@ -223,6 +258,10 @@ async function main() {
     if (ended.error) {
       throw new Error(ended.error);
     }
+    if (ended.firstError) {
+      const { file, line, number, text } = ended.firstError;
+      console.error(`first error: ${file}:${line}: ${number} ${text}`);
+    }
     await save(server, job, options.listing);
     return ended.state === "JOB_STATE_SUCCEEDED" ? 0 : 1;
   } finally {
@@ -233,9 +272,8 @@ async function main() {
 main().then(
   (code) => (process.exitCode = code),
   (error) => {
-    // The message of the server names the fault and the remedy.
     const refusal = grpc.status[error.code];
-    console.error(refusal ? `${refusal}: ${error.details}` : error.message);
+    console.error(refusal ? sentence(error) : error.message);
     const ofServer = error instanceof Unreachable || (refusal && !OF_REQUEST.includes(refusal));
     process.exitCode = ofServer ? 3 : 2;
   },

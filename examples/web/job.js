@@ -46,6 +46,25 @@ export async function connect(baseUrl, token) {
   return clients;
 }
 
+/** An error as a sentence: the message of the server names the fault and the remedy. */
+export function sentence(error) {
+  if (!(error instanceof ConnectError)) {
+    return error.message;
+  }
+  switch (error.code) {
+    case Code.Unavailable:
+    case Code.Unknown:
+      // A refusal of the server has details; a lost connection has none.
+      return error.details.length > 0
+        ? `${error.rawMessage}: try again later`
+        : "the connection to the server was lost: check that counterpointd runs, then try again";
+    case Code.Unauthenticated:
+      return `${error.rawMessage}: give a token for this server`;
+    default:
+      return error.rawMessage;
+  }
+}
+
 /** Stores the files, `[{ name, bytes }]`, and submits them as channels from left to right. Returns the job id. */
 export async function submit({ blobs, jobs }, machine, files) {
   const large = files.find(({ bytes }) => bytes.length > LARGEST);
@@ -64,6 +83,11 @@ export async function submit({ blobs, jobs }, machine, files) {
   return status.jobId;
 }
 
+/** The first error of a failed job with its place, or an empty text. */
+export function firstError({ firstError: error }) {
+  return error ? `first error: ${error.file}:${error.line}: ${error.number} ${error.text}` : "";
+}
+
 /** Shows progress and events until the job ends; continues a broken watch at its cursor. Returns the status. */
 export async function watch({ jobs }, jobId, { progress, event }) {
   let afterSeq = 0n;
@@ -77,7 +101,7 @@ export async function watch({ jobs }, jobId, { progress, event }) {
             afterSeq = content.value.lastSeq;
             break;
           case "progress":
-            progress(content.value.channels);
+            progress(content.value.channels, content.value.cancelRequested);
             break;
           case "ended":
             return content.value;

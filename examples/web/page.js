@@ -1,6 +1,6 @@
 // The page: a form, the progress of the channels, dialogs, the listing.
 
-import { JobState, attend, connect, listing, submit, watch } from "./job.js";
+import { JobState, attend, connect, firstError, listing, sentence, submit, watch } from "./job.js";
 
 const part = (id) => document.getElementById(id);
 
@@ -29,20 +29,22 @@ async function run() {
   const server = await connect(part("server").value, part("token").value);
   const job = await submit(server, part("machine").value, await Promise.all(files));
   print(`job ${job}`);
-  attend(server, job, ask).catch((error) => print(`dialogs are no longer answered: ${error.message}`));
+  attend(server, job, ask).catch((error) => print(`dialogs are no longer answered: ${sentence(error)}`));
   const ended = await watch(server, job, {
-    progress: (channels) =>
-      (part("progress").textContent = channels.map((c) => `${c.name} ${c.percent.toFixed(0)} %`).join(", ")),
+    progress: (channels, cancelling) => {
+      const parts = channels.map((c) => `${c.name} ${c.percent.toFixed(0)} %`);
+      part("progress").textContent = (cancelling ? ["cancelling", ...parts] : parts).join(", ");
+    },
     event: ({ channel, line, kind }) =>
       kind.case === "diagnostic" && print(`channel ${channel} line ${line}: ${kind.value.number} ${kind.value.text}`),
   });
   print(`${JobState[ended.state]} after ${Number(ended.makespanNs) / 1e9} s of machine time ${ended.error}`);
+  print(firstError(ended));
   part("listing").textContent = ended.error ? "" : await listing(server, job);
 }
 
 part("form").addEventListener("submit", (event) => {
   event.preventDefault();
   part("messages").textContent = "";
-  // The message of the server names the fault and the remedy.
-  run().catch((error) => print(error.rawMessage ?? error.message));
+  run().catch((error) => print(sentence(error)));
 });

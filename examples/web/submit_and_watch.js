@@ -5,7 +5,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { basename } from "node:path";
 import { parseArgs } from "node:util";
-import { JobState, attend, connect, listing, submit, watch } from "./job.js";
+import { JobState, attend, connect, firstError, listing, sentence, submit, watch } from "./job.js";
 
 async function main() {
   const { values: options, positionals: programs } = parseArgs({
@@ -25,9 +25,16 @@ async function main() {
     console.log(`dialog '${dialog.name}': ${dialog.title} ${problem}`);
     return problem ? undefined : values;
   };
-  const attended = attend(server, job, ask).catch((error) => console.error(error.rawMessage));
+  const attended = attend(server, job, ask).catch((error) =>
+    console.error(`dialogs are no longer answered: ${sentence(error)}`),
+  );
   const ended = await watch(server, job, {
-    progress: (channels) => channels.forEach((c) => console.error(`${c.name}: ${c.percent.toFixed(0)} %, block ${c.blocks}`)),
+    progress: (channels, cancelling) => {
+      channels.forEach((c) => console.error(`${c.name}: ${c.percent.toFixed(0)} %, block ${c.blocks}`));
+      if (cancelling) {
+        console.error("cancelling");
+      }
+    },
     event: ({ channel, line, kind }) =>
       kind.case === "diagnostic" && console.log(`channel ${channel} line ${line}: ${kind.value.number} ${kind.value.text}`),
   });
@@ -36,6 +43,9 @@ async function main() {
   if (ended.error) {
     throw new Error(ended.error);
   }
+  if (ended.firstError) {
+    console.error(firstError(ended));
+  }
   writeFileSync(options.listing, await listing(server, job));
   return ended.state === JobState.SUCCEEDED ? 0 : 1;
 }
@@ -43,7 +53,7 @@ async function main() {
 main().then(
   (code) => (process.exitCode = code),
   (error) => {
-    console.error(error.rawMessage ?? error.message);
+    console.error(sentence(error));
     process.exitCode = error.unreachable ? 3 : 2;
   },
 );
