@@ -194,13 +194,9 @@ pub enum Refusal {
     RefusedTooOften(Duration),
 }
 
-/// The question whether one of these names was meant, before more text.
+/// Names that were probably meant, before more text. Without a question mark, which some clients do not decode.
 fn meant(near: &[String]) -> String {
-    match near {
-        [] => String::new(),
-        [one] => format!("did you mean '{one}'? "),
-        [several @ .., last] => format!("did you mean '{}' or '{last}'? ", several.join("', '")),
-    }
+    if near.is_empty() { String::new() } else { format!("similar names: '{}'; ", near.join("', '")) }
 }
 
 impl Refusal {
