@@ -186,3 +186,17 @@ fn shown(machine: &Machine, section: v1::MachineSection, json: bool) -> String {
     };
     if json { format!("{:#}\n", show::json_part(machine, part)) } else { show::show(machine, part) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_beyond_a_message_is_refused_with_a_remedy() {
+        let answer = v1::GetMachineResponse { text: "x".repeat(1000), ..Default::default() };
+        assert!(fitting(answer.clone(), 1003).is_ok(), "tag and length of the text take three bytes");
+        let refused = fitting(answer, 1002).unwrap_err();
+        assert_eq!(refused.reason().0, "ANSWER_TOO_LARGE");
+        assert!(refused.to_string().contains("has 1003 bytes") && refused.to_string().contains("one section"));
+    }
+}
