@@ -71,10 +71,11 @@ const CAUSES = [
   [/ECONNRESET|GOAWAY|socket|closed|dropped/i, "the server has closed the connection: it may expect https://"],
 ];
 
-/** The cause in the details of a failed connection, in words. */
-function reason(details) {
+/** The cause in the details of a failed connection, in words. A server with TLS gives a client without TLS no cause. */
+function reason(details, secure = true) {
   const known = CAUSES.find(([pattern]) => pattern.test(details));
-  return known ? known[1] : "the cause is not known";
+  const other = secure ? "the cause is not known" : "the server does not answer without encryption: it may expect https://";
+  return known ? known[1] : other;
 }
 
 /** An error of a call as a sentence: the message of the server names the fault and the remedy. */
@@ -108,7 +109,10 @@ async function connect(address) {
     await promisify(first.waitForReady.bind(first))(Date.now() + REACH_MS);
   } catch {
     // A call on the failed channel returns the cause, for example a certificate that is not accepted.
-    const cause = await call(first, "ListJobs", {}).then(() => reason("too slow"), (error) => reason(error.details));
+    const cause = await call(first, "ListJobs", {}).then(
+      () => reason("too slow"),
+      (error) => reason(error.details, url.startsWith("https:")),
+    );
     first.close();
     const advice = "check the address with http or https, and that counterpointd runs";
     throw new Unreachable(`no connection to ${url}: ${cause}; ${advice}`);
