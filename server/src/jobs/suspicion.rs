@@ -28,12 +28,19 @@ pub(super) fn time_alone(crashes: u32) -> Duration {
 
 /// The suspect that runs alone.
 #[derive(Debug)]
-pub(crate) struct Alone {
+pub(crate) struct LoneSuspect {
     job: String,
     tenant: String,
 }
 
-impl Alone {
+impl LoneSuspect {
+    /// The suspect that runs alone while other jobs wait.
+    pub(crate) fn of(core: &Core) -> Option<Self> {
+        let job = lock(&core.board.queue).jobs.alone()?.to_owned();
+        let tenant = core.live(&job)?.peek(|record| record.tenant.clone());
+        Some(Self { job, tenant })
+    }
+
     /// Adds the wait for this suspect to the status of another job. A job of another tenant is not named.
     pub(crate) fn mark(&self, status: &mut v1::JobStatus) {
         let open = matches!(status.state(), v1::JobState::Queued | v1::JobState::Running);
@@ -47,13 +54,6 @@ impl Alone {
 }
 
 impl Core {
-    /// The suspect that runs alone while other jobs wait.
-    pub(crate) fn alone(&self) -> Option<Alone> {
-        let job = lock(&self.board.queue).jobs.alone()?.to_owned();
-        let tenant = self.live(&job)?.peek(|record| record.tenant.clone());
-        Some(Alone { job, tenant })
-    }
-
     /// Takes the jobs that the queue has cleared, and removes their suspicion in memory.
     pub(super) fn clear(&self, queue: &mut Waiting) {
         let cleared = queue.jobs.take_cleared();
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_suspect_of_another_tenant_is_not_named() {
-        let alone = Alone { job: "suspect".to_owned(), tenant: "a".to_owned() };
+        let alone = LoneSuspect { job: "suspect".to_owned(), tenant: "a".to_owned() };
         let waits = |tenant: &str, id: &str, state: v1::JobState, paused: bool| {
             let (job_id, tenant, state) = (id.to_owned(), tenant.to_owned(), state.into());
             let mut status = v1::JobStatus { job_id, tenant, state, paused, ..Default::default() };

@@ -19,6 +19,7 @@ use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::{description, options, status};
 use crate::jobs::filter::{Filter, States};
+use crate::jobs::suspicion::LoneSuspect;
 use crate::ledger::record::Record;
 use crate::ledger::{NewJob, PAGE_BYTES, Query};
 use crate::log::reader::Reader;
@@ -111,7 +112,7 @@ impl Service for Jobs {
             let (options, pinned_machine) = (options(&record, &work), record.machine.full_name());
             let file = |(path, digest): (String, String)| v1::FileRef { path, digest };
             let mut status = status(record);
-            core.alone().iter().for_each(|alone| alone.mark(&mut status));
+            LoneSuspect::of(&core).iter().for_each(|alone| alone.mark(&mut status));
             let answer = v1::GetJobResponse {
                 files: work.files.into_iter().map(file).collect(),
                 options: Some(options),
@@ -151,7 +152,7 @@ impl Service for Jobs {
             for (job, short_id) in jobs.iter_mut().zip(page.short_ids) {
                 job.short_id = short_id;
             }
-            if let Some(alone) = core.alone() {
+            if let Some(alone) = LoneSuspect::of(&core) {
                 jobs.iter_mut().for_each(|job| alone.mark(job));
             }
             Ok(counted(v1::ListJobsResponse { jobs, next_page_token: page.next.unwrap_or_default() }, taken))
