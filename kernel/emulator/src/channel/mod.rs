@@ -32,6 +32,7 @@ mod left_words;
 mod letter_zero;
 pub(crate) mod life;
 mod motion;
+mod names;
 mod pace;
 pub mod parts;
 mod passes;

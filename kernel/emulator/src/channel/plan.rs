@@ -6,6 +6,7 @@ use super::Kernel;
 use super::actions::{Action, Actions};
 use super::custom_macro::CodeCalls;
 use super::hook_points::HookPoints;
+use super::names::WordNames;
 use super::refusals::Refusals;
 use counterpoint_event::event::Motion;
 use counterpoint_fault::Acted;
@@ -41,6 +42,8 @@ pub struct Plan {
     /// First enabled row of each code.
     pub(crate) rows_of_code: Table<CodeId, Option<CodeRowId>>,
     pub(crate) registers: Registers,
+    /// Names of words and codes.
+    pub(crate) names: WordNames,
     pub(crate) data: DataPlan,
     pub(crate) edits: Edits,
     /// The effect of its blocks beyond their words.
@@ -479,6 +482,7 @@ impl Plan {
             code_calls: CodeCalls::new(machine),
             rows_of_code: rows_of_code(machine),
             rules: Rules::new(machine, registers.g),
+            names: WordNames::new(machine),
             registers,
             data: DataPlan::new(machine),
             edits: Edits::new(machine, syntax),

@@ -11,19 +11,13 @@ use counterpoint_program::key_words::Number;
 
 impl Words for Kernel<'_> {
     fn is_register(&self, name: &str) -> bool {
-        let is = |text: &str| text.eq_ignore_ascii_case(name);
-        let mut registers = self.channel.env.machine.registers.iter();
-        registers
-            .any(|register| is(&register.name) || is(&register.before) || register.second.as_deref().is_some_and(is))
+        self.plan.names.is_register(name)
     }
 
     fn word(&self, name: &str, value: f64, spelled: Option<&str>) -> Option<String> {
-        let is = |text: &str| text.strip_suffix('=').unwrap_or(text).eq_ignore_ascii_case(name);
-        let mut registers = self.channel.env.machine.registers.iter();
-        let (before, register) = registers.find_map(|register| match &register.second {
-            Some(second) if is(second) => Some((second, register)),
-            _ => is(&register.before).then_some((&register.before, register)),
-        })?;
+        let (register, incremental) = self.plan.names.register(name)?;
+        let register = &self.channel.env.machine.registers[register];
+        let before = register.second.as_ref().filter(|_| incremental).unwrap_or(&register.before);
         let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
         let number = spelled.map_or_else(|| written(value, format), str::to_owned);
         Some(format!("{before}{number}{}", register.after))
@@ -40,9 +34,7 @@ impl Words for Kernel<'_> {
     }
 
     fn literal(&self, text: &str) -> Option<CodeRowId> {
-        let texts = &self.channel.env.machine.tables.texts;
-        let is = |row: CodeRowId| self.literal_of(row).is_some_and(|literal| literal.eq_ignore_ascii_case(text));
-        texts.iter().copied().find(|&row| is(row))
+        self.plan.names.text(text)
     }
 
     fn knows_code(&self, letter: u8, value: f64) -> bool {
@@ -68,11 +60,7 @@ impl Words for Kernel<'_> {
     }
 
     fn register_named(&self, name: &str) -> Option<(RegisterId, bool)> {
-        let is = |text: &str| text.strip_suffix('=').unwrap_or(text).eq_ignore_ascii_case(name);
-        self.channel.env.machine.registers.entries().find_map(|(id, register)| match &register.second {
-            Some(second) if is(second) => Some((id, true)),
-            _ => is(&register.before).then_some((id, false)),
-        })
+        self.plan.names.register(name)
     }
 
     fn steps(&self, register: RegisterId) -> Option<f64> {
