@@ -40,8 +40,18 @@ impl Units {
     }
 
     /// Units of the machine of a unit of F words in an inch program: tenths of an inch a minute, inches a revolution.
-    pub(super) fn feed_factor(self, inch: f64) -> f64 {
+    fn feed_factor(self, inch: f64) -> f64 {
         if self.per_turn { inch } else { inch / 10.0 }
+    }
+
+    /// A feed in units of the machine, in those of the program.
+    pub(super) fn of_program(self, feed: f64, host: &dyn Host) -> f64 {
+        if self.inches { feed / self.feed_factor(host.length_factor()) } else { feed }
+    }
+
+    /// The feed that the program has given.
+    pub(super) fn programmed(self, host: &dyn Host) -> f64 {
+        self.of_program(host.feed(), host)
     }
 
     /// The M function that an F word needs, once a program has used a feed per revolution.

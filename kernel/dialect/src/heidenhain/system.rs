@@ -51,7 +51,7 @@ impl Heidenhain {
         let value = match Evaluator::new(&mut self.variables, host).ask(&asked)? {
             // The machine gives a feed in its own unit.
             Asked::Value(Value::Number(feed)) if self.units.inches && (id, number) == (20.0, 9.0) => {
-                Value::Number(feed / self.units.feed_factor(host.length_factor()))
+                Value::Number(self.units.of_program(feed, host))
             }
             Asked::Value(value) => value,
             Asked::Nothing | Asked::Kept => Value::Number(0.0),

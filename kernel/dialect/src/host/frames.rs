@@ -151,6 +151,12 @@ pub trait Frames {
     /// Sets it; whether it was set.
     fn set_wear(&mut self, offset: u32, of: usize, value: f64) -> bool;
 
+    /// The programmed feed of the active mode in units of the machine, 0 without one.
+    fn feed(&self) -> f64;
+
+    /// Whether a code is the active one of its group.
+    fn is_active(&self, code: CodeId) -> bool;
+
     /// The active codes, to be restored later.
     fn modes(&self) -> Modes;
 

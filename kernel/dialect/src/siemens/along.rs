@@ -152,16 +152,14 @@ impl Siemens {
         if end.is_none() && axis.is_none() && between.is_none() && opening.is_none() {
             return Ok(());
         }
-        let modes = host.modes();
-        let is_on = |id| modes.0.iter().any(|(_, code, _)| *code == id);
-        if !is_on(codes::RTCP_ON) {
+        if !host.is_active(codes::RTCP_ON) {
             // A direction without the transformation is the alarm of the control.
             if end.is_none() {
                 left.add("C3=1");
             }
             return Ok(());
         }
-        if is_on(codes::FEED_1T) || host.keeps_moves_back() {
+        if host.is_active(codes::FEED_1T) || host.keeps_moves_back() {
             return syntax("directions along a cone under G93, G41 or G42 are not emulated");
         }
         let identity = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];

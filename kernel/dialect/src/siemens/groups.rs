@@ -50,8 +50,7 @@ const UNITS: i64 = 13;
 
 /// Number of the active function of a group; none if it is not known.
 pub(super) fn active(host: &dyn Host, group: i64) -> Option<i64> {
-    let modes = host.modes().0;
-    let is_active = |wanted: CodeId| modes.iter().any(|(_, code, _)| *code == wanted);
+    let is_active = |wanted: CodeId| host.is_active(wanted);
     if group == FRAMES && host.work_offset() > 0 {
         return Some(i64::from(host.work_offset()) + 1);
     }

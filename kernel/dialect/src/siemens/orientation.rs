@@ -130,7 +130,7 @@ impl Siemens {
         if name != "ORIRESET" || !has_directions(host) {
             return Ok(false);
         }
-        if !host.modes().0.iter().any(|(_, code, _)| *code == codes::RTCP_ON) {
+        if !host.is_active(codes::RTCP_ON) {
             // A direction without the transformation is the alarm of the control.
             left.add("C3=1");
             return Ok(true);

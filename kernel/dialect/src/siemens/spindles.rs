@@ -128,8 +128,7 @@ impl Siemens {
         }
         let angle = match way {
             Positioning::Incremental => {
-                let oriented =
-                    spindle == master && host.modes().0.iter().any(|(_, code, _)| *code == codes::SPINDLE_ORIENT);
+                let oriented = spindle == master && host.is_active(codes::SPINDLE_ORIENT);
                 let Some(last) = self.held.spindle.filter(|_| oriented) else {
                     return syntax("SPOS=IC( ) needs an SPOS before it, without M3, M4 or M5 in between");
                 };

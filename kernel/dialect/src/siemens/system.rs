@@ -21,11 +21,7 @@ const PLANE_GROUP: i64 = 6;
 /// The working plane: 1 G17, 2 G18, 3 G19.
 pub(super) fn plane(host: &dyn Host) -> Option<i64> {
     let planes = [codes::PLANE_XY, codes::PLANE_ZX, codes::PLANE_YZ];
-    host.modes()
-        .0
-        .iter()
-        .find_map(|(_, code, _)| planes.iter().zip(1..).find(|(plane, _)| *plane == code))
-        .map(|(_, at)| at)
+    planes.iter().zip(1..).find(|(plane, _)| host.is_active(**plane)).map(|(_, at)| at)
 }
 
 fn seconds(ns: i64) -> f64 {

@@ -32,13 +32,15 @@ pub(crate) struct Modal {
     /// Active code of each group with its row, `None` = `CODE_NONE`. The machine may start with a code that it has no
     /// row of.
     groups: Vec<Option<(CodeId, Option<CodeRowId>)>>,
+    /// Groups that have had an active code, ascending: few of all groups.
+    known: Vec<u16>,
     /// Groups whose active code fires again on blocks without a code of the group; `true` = in every block.
     pub(crate) refires: Vec<(u16, bool)>,
 }
 
 impl Modal {
     pub(crate) fn new() -> Self {
-        Self { groups: vec![None; 1000], refires: Vec::new() }
+        Self { groups: vec![None; 1000], known: Vec::new(), refires: Vec::new() }
     }
 
     /// Active code of a group.
@@ -56,11 +58,25 @@ impl Modal {
         if group != 0
             && let Some(slot) = self.groups.get_mut(usize::from(group))
         {
-            *slot = Some((id, row));
+            if slot.replace((id, row)).is_none() {
+                self.note_group(group);
+            }
             if !self.refires.is_empty() {
                 self.refires.retain(|&(g, _)| g != group);
             }
         }
+    }
+
+    #[cold]
+    fn note_group(&mut self, group: u16) {
+        if let Err(at) = self.known.binary_search(&group) {
+            self.known.insert(at, group);
+        }
+    }
+
+    /// Whether a code is the active one of its group.
+    pub(crate) fn has(&self, code: CodeId) -> bool {
+        self.known.iter().any(|&group| self.code(group) == Some(code))
     }
 
     /// Makes a code active that fires again in every block.
@@ -80,16 +96,21 @@ impl Modal {
 
     /// Active codes of all groups.
     pub(crate) fn saved(&self) -> Vec<(u16, CodeId, Option<CodeRowId>)> {
-        let groups = self.groups.iter().zip(0_u16..);
-        groups.filter_map(|(active, group)| active.map(|(id, row)| (group, id, row))).collect()
+        let active = |&group: &u16| self.groups.get(usize::from(group)).copied().flatten().map(|of| (group, of));
+        self.known.iter().filter_map(active).map(|(group, (id, row))| (group, id, row)).collect()
     }
 
     /// Puts active codes back; groups that had none have none again.
     pub(crate) fn restore(&mut self, saved: &[(u16, CodeId, Option<CodeRowId>)]) {
-        self.groups.fill(None);
+        for &group in &self.known {
+            if let Some(slot) = self.groups.get_mut(usize::from(group)) {
+                *slot = None;
+            }
+        }
         for &(group, id, row) in saved {
             if let Some(slot) = self.groups.get_mut(usize::from(group)) {
                 *slot = Some((id, row));
+                self.note_group(group);
             }
         }
         let groups = &self.groups;

@@ -163,7 +163,7 @@ impl Heidenhain {
             return Err(host.alarm(&diag::MACRO_ALARM, text));
         }
         self.leave_path(host)?;
-        let feed = self.system_number(host, 20.0, 9.0, None)?;
+        let feed = self.units.programmed(host);
         let (surface, second) = (self.parameter(203), self.parameter(204));
         let clearance = self.parameter(200);
         let levels = Levels {

@@ -81,7 +81,8 @@ impl Hole<'_> {
         }
         let clears = clears == 1.0;
         let factor = self.first_feed_factor();
-        let feed = self.variable("$P_F")?;
+        // A macro of the machine may supply it, so it is read only if it is needed.
+        let feed = if factor == 1.0 { 0.0 } else { self.variable("$P_F")? };
         let total = levels.total();
         let mut strokes = self.strokes(levels.reference, levels.sign, total)?;
         let back = or_else(self.arguments.number(VRT), 1.0);

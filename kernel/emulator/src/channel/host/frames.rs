@@ -4,11 +4,11 @@ use counterpoint_motion::frame::affine::Affine;
 
 use crate::channel::Kernel;
 use crate::state::frames::offsets::{Radii, Table};
-use crate::state::modal::group;
+use crate::state::modal::{feed_of, group};
 use crate::state::position::Axis;
 use counterpoint_dialect::{AxisPlace, Frames, Modes};
 use counterpoint_machine::ident::dimension::Dimension;
-use counterpoint_machine::ident::{codes, data};
+use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
 impl Kernel<'_> {
@@ -284,6 +284,15 @@ impl Frames for Kernel<'_> {
         let mut values = self.channel.offset_values(Table::Wear, offset);
         *values.at_mut(axis) = value;
         Kernel::set_offset(self, Table::Wear, offset, values)
+    }
+
+    fn feed(&self) -> f64 {
+        let (id, _) = feed_of(self.channel.state.modal.code(group::FEED));
+        self.channel.state.remembered.value(id).unwrap_or(0.0)
+    }
+
+    fn is_active(&self, code: CodeId) -> bool {
+        self.channel.state.modal.has(code)
     }
 
     fn modes(&self) -> Modes {
