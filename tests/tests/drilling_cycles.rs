@@ -360,3 +360,21 @@ fn a_dwell_in_revolutions_behind_g63_dwells() {
     let dwells: Vec<_> = done.events.iter().filter(|event| matches!(event.kind, Kind::Dwell(_))).collect();
     assert_eq!(dwells.iter().map(|event| event.dur_ns).collect::<Vec<_>>(), [180_000_000], "{:?}", done.summary);
 }
+
+/// A trace shows each block of a cycle, so that all its words are sorted; known moves need no sorting.
+#[test]
+fn the_moves_of_a_hole_are_the_same_with_and_without_a_trace() {
+    let mut random = fastrand::Rng::with_seed(83);
+    for _ in 0..120 {
+        for (name, text) in [("siemens-mill", program(&mut random)), ("heidenhain-mill", conversational(&mut random))] {
+            let events = |trace: &str| {
+                let options = Options { trace: trace.to_owned(), ..Options::default() };
+                let done = Work::texts(machine(name, ""), &[text.as_str()], options).run(None).expect("a job");
+                let events = done.events.into_iter().filter(|event| !matches!(event.kind, Kind::Trace(_)));
+                let events = events.map(|event| (event.t_ns, event.dur_ns, event.line, event.kind)).collect::<Vec<_>>();
+                (done.summary.state, events)
+            };
+            assert_eq!(events(""), events("C"), "{text}");
+        }
+    }
+}

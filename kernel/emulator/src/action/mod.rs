@@ -55,7 +55,7 @@ mod turned;
 mod turning;
 
 use crate::act::Act;
-use crate::channel::actions::{Action, Actions, CompensationChange};
+use crate::channel::actions::{Action, Actions, CompensationChange, StraightMoves};
 use crate::state::turning::Task;
 use counterpoint_machine::ident::CodeId;
 use entry::Entry;
@@ -140,8 +140,11 @@ const BASE: Actions = Actions {
     },
     strip: |kernel, strip| lathe::strip(&mut Act::new(kernel), strip),
     copy_figure: |kernel, figure, on| figure::put(&mut Act::new(kernel), figure, on),
-    go_back: |kernel, to| lathe::go_back(&mut Act::new(kernel), to),
-    change_straight: |kernel, motion, rapid, to| Act::new(kernel).straight_again(motion, rapid, to),
+    straight: StraightMoves {
+        back: |kernel, to| lathe::go_back(&mut Act::new(kernel), to),
+        along: |kernel, rapid, coded, to| motion::go_straight(&mut Act::new(kernel), rapid, coded, to),
+        change: |kernel, motion, rapid, to| Act::new(kernel).straight_again(motion, rapid, to),
+    },
 };
 
 /// The action of a code, if it has a built-in one.

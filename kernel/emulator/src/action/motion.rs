@@ -75,6 +75,17 @@ pub(super) fn linear_times(act: &mut Act<'_, '_>, factor: f64) -> Acted {
     act.feed_to(coded, target, feed, unit)
 }
 
+/// A straight move of these axes to a point of the work frame, without words: at rapid, or at the feed of the mode.
+pub(super) fn go_straight(act: &mut Act<'_, '_>, rapid: bool, coded: u8, to: &Position) -> Acted {
+    if rapid {
+        let most = act.state.remembered.value(data::RAPID_FEED);
+        return act.rapid_within(coded, *to, most);
+    }
+    let (id, unit) = feed_of(act.state.modal.code(group::FEED));
+    let feed = act.state.remembered.value(id).filter(|_| unit != FeedUnit::InverseTime);
+    act.plain_feed(coded, to, feed, unit)
+}
+
 impl Act<'_, '_> {
     /// Feed of the active mode: the word in the block, otherwise the remembered one.
     pub(super) fn feed(&mut self) -> (Option<f64>, FeedUnit) {

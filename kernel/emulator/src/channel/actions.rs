@@ -31,6 +31,17 @@ pub(crate) enum CompensationChange {
     Number,
 }
 
+/// Straight moves that no code makes.
+#[derive(Debug)]
+pub(crate) struct StraightMoves {
+    /// Goes to a programmed point at rapid.
+    pub(crate) back: fn(&mut Kernel<'_>, &Position) -> Acted,
+    /// Goes along these axes to a point of the work frame: at rapid, or at the feed of the mode.
+    pub(crate) along: fn(&mut Kernel<'_>, bool, u8, &Position) -> Acted,
+    /// Makes a straight move again that a macro has changed: at rapid or not, to another end.
+    pub(crate) change: fn(&mut Kernel<'_>, &Motion, bool, Position) -> Acted,
+}
+
 /// The built-in actions: those of codes, and those that other stages of the pipeline need.
 #[derive(Debug)]
 pub struct Actions {
@@ -60,10 +71,8 @@ pub struct Actions {
     pub(crate) strip: fn(&mut Kernel<'_>, &Strip) -> Acted,
     /// Puts the frame of a further copy of a figure into force, or the frame before the copies.
     pub(crate) copy_figure: fn(&mut Kernel<'_>, &Figure, bool) -> Acted,
-    /// Goes to a programmed point at rapid.
-    pub(crate) go_back: fn(&mut Kernel<'_>, &Position) -> Acted,
-    /// Makes a straight move again that a macro has changed: at rapid or not, to another end.
-    pub(crate) change_straight: fn(&mut Kernel<'_>, &Motion, bool, Position) -> Acted,
+    /// Straight moves that no code makes.
+    pub(crate) straight: StraightMoves,
 }
 
 impl Kernel<'_> {

@@ -2,6 +2,7 @@
 //!
 //! *Invariant:* the interpreter is away only while it runs.
 
+use super::cycle_moves::KnownMoves;
 use super::left_words::LeftWords;
 use super::variables::ChannelVariables;
 use counterpoint_dialect::{Dialect, Interpreter, MadeBlocks};
@@ -19,6 +20,8 @@ pub(crate) struct DialectState {
     pub(crate) is_stale: bool,
     /// Blocks of the cycle that is executed; only their memory is kept from one to the next.
     pub(crate) cycle_blocks: MadeBlocks,
+    /// Blocks of cycles that are straight moves, by their words.
+    pub(crate) cycle_moves: KnownMoves,
     /// Words that the interpreter leaves.
     pub(crate) left: LeftWords,
 }
@@ -33,6 +36,7 @@ impl DialectState {
             interpreter: if executes { kind.interpreter(machine) } else { None },
             is_stale: false,
             cycle_blocks: MadeBlocks::default(),
+            cycle_moves: KnownMoves::default(),
             left: LeftWords::default(),
         }
     }

@@ -17,6 +17,7 @@ mod coupling;
 pub(crate) mod custom_macro;
 mod cycle_codes;
 mod cycle_event;
+pub(crate) mod cycle_moves;
 pub(crate) mod data;
 mod diagnostics;
 pub(crate) mod dialect_state;

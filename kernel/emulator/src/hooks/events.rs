@@ -142,7 +142,7 @@ impl Kernel<'_> {
         if to == motion.to && rapid == (motion.kind == MotionKind::Rapid) {
             return self.move_to(seconds, motion);
         }
-        (self.plan.actions.change_straight)(self, motion, rapid, to)
+        (self.plan.actions.straight.change)(self, motion, rapid, to)
     }
 
     /// The end of a motion with the changes of the macro.

@@ -36,7 +36,7 @@ impl Kernel<'_> {
     }
 
     /// Whether the block has messages, or comments and messages fire codes.
-    fn may_have_remarks(&self) -> bool {
+    pub(crate) fn may_have_remarks(&self) -> bool {
         !self.channel.block.messages.is_empty() || self.remarks_fire().contains(&true)
     }
 

@@ -131,9 +131,9 @@ impl Kernel<'_> {
             for (index, (slot, back)) in first.iter_mut().zip(*back).enumerate() {
                 *slot = if off & 1 << index == 0 { *slot } else { back };
             }
-            (self.plan.actions.go_back)(self, &first)?;
+            (self.plan.actions.straight.back)(self, &first)?;
         }
-        (self.plan.actions.go_back)(self, back)
+        (self.plan.actions.straight.back)(self, back)
     }
 
     /// Reads the contour.

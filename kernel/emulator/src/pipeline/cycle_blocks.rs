@@ -6,8 +6,8 @@
 
 use std::sync::Arc;
 
-use crate::channel::Kernel;
 use crate::channel::flow::{Called, Pending};
+use crate::channel::{Kernel, cycle_moves};
 use counterpoint_dialect::{CycleWord, MadeBlocks, MadeWord, Words};
 use counterpoint_event::FileId;
 use counterpoint_event::event::{Call, Kind, Return};
@@ -50,7 +50,10 @@ impl Kernel<'_> {
                 self.cycle_begins(name)?;
             }
             let span = (0, u32::try_from(self.current_text().len()).unwrap_or(u32::MAX));
-            blocks.iter().try_for_each(|words| self.cycle_block(words, span))?;
+            let mut direct = cycle_moves::may_move(self);
+            for words in blocks.iter() {
+                self.cycle_block(words, span, &mut direct)?;
+            }
         }
         if let Some(modes) = modes {
             self.put_modes_back(&modes);
@@ -74,21 +77,25 @@ impl Kernel<'_> {
         (self.plan.actions.flush_due)(self, true)
     }
 
-    /// Executes a block of a cycle. `span` is the whole calling block, which each word stands for.
-    fn cycle_block(&mut self, words: &[CycleWord], span: (u32, u32)) -> Acted {
+    /// Executes a block of a cycle. `span` is the whole calling block, which each word stands for; `direct`: straight
+    /// moves need no sorting of their words.
+    fn cycle_block(&mut self, words: &[CycleWord], span: (u32, u32), direct: &mut bool) -> Acted {
         self.keep_pace();
         self.channel.at.blocks += 1;
         self.channel.at.made_blocks += 1;
         self.count_as_block()?;
         self.channel.block.clear();
-        for word in words {
-            match *word {
-                CycleWord::Register(word) => self.push(MadeWord { span, ..word }),
-                CycleWord::Text(row) => self.push_text(row),
-            }
-        }
         self.flow.pass.effects = true;
-        self.made_words()?;
+        if !(*direct && cycle_moves::make(self, words)?) {
+            for word in words {
+                match *word {
+                    CycleWord::Register(word) => self.push(MadeWord { span, ..word }),
+                    CycleWord::Text(row) => self.push_text(row),
+                }
+            }
+            self.made_words()?;
+            *direct = cycle_moves::may_move(self);
+        }
         self.channel.check_stop()?;
         if self.plan.rules.overlaps {
             self.end_functions();
