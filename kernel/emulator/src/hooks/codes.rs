@@ -9,7 +9,7 @@ use counterpoint_machine::index::{DataMacroId, RegisterId};
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
-use crate::channel::plan::NEEDED;
+use crate::channel::plan::{NEEDED, RECALLED};
 use crate::macros::calls::Task;
 use crate::macros::context::Withheld;
 use crate::macros::values::{code_value, data_value};
@@ -215,6 +215,11 @@ impl Kernel<'_> {
     /// Takes the value of data off the block and lets every matching data macro have it.
     #[inline(never)]
     pub(crate) fn take_with_macros(&mut self, id: DataId) -> Option<Datum> {
+        let block = &self.channel.block;
+        let absent = (block.present | RECALLED) & self.plan.data.registers_of[id] == 0;
+        if absent && block.added.is_empty() && self.channel.acting.as_data.is_none() {
+            return None;
+        }
         let Some(mut taken) = self.taken(id) else {
             return if self.refuse(id) { None } else { self.recall(id) };
         };

@@ -27,8 +27,10 @@ type Found = Option<(FileId, Range)>;
 impl Kernel<'_> {
     /// The call of the current block.
     pub(crate) fn called(&self, what: Callee, passes: u32) -> Called {
-        let block =
-            self.plan.hooks.is_some().then(|| String::from_utf8_lossy(&self.preprocessed_bytes()).trim().into());
+        let macros = self.channel.env.machine.macros.as_deref().filter(|_| self.plan.hooks.is_some());
+        let hooks = [Hook::SubprogramStartup, Hook::SubprogramShutdown];
+        let asks = macros.is_some_and(|macros| hooks.into_iter().any(|hook| macros.hook(hook).is_some()));
+        let block = asks.then(|| String::from_utf8_lossy(&self.preprocessed_bytes()).trim().into());
         Called { what, passes, block }
     }
 
