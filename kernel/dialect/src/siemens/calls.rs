@@ -4,6 +4,8 @@
 //! with VAR, so that the caller's variable has the parameter's value after the return. Invariant: every subprogram that
 //! begins has a level of its own, which goes when it returns.
 
+use std::sync::Arc;
+
 use super::define::{Header, Parameter};
 use super::expression::{Argument, as_name};
 use super::jumps::bare;
@@ -25,7 +27,7 @@ pub(super) struct Calling {
     pub(super) part: bool,
     /// It is a part of the program that has called this many of those that run.
     pub(super) outer: usize,
-    pub(super) given: Vec<PassedArgument>,
+    pub(super) given: Arc<Vec<PassedArgument>>,
 }
 
 /// An argument.
@@ -106,14 +108,14 @@ impl Siemens {
         for argument in arguments {
             given.push(self.given(host, argument)?);
         }
-        self.calling = Some(Calling { line: host.place().line, part: false, outer: 0, given });
+        self.calling = Some(Calling { line: host.place().line, part: false, outer: 0, given: Arc::new(given) });
         Ok(Call { name: name.into(), place, passes: 1, closes: true })
     }
 
     /// Prepares a part of the running program.
     pub(super) fn prepare_part(&mut self, host: &dyn Host, name: String, range: (u32, u32), passes: u32) -> Call {
         let place = host.place();
-        self.calling = Some(Calling { line: place.line, part: true, outer: 0, given: Vec::new() });
+        self.calling = Some(Calling { line: place.line, part: true, outer: 0, given: Arc::default() });
         let range = Range { number: None, first: range.0, last: range.1 };
         Call { name: name.into(), place: Some((place.file, range)), passes, closes: true }
     }
@@ -167,7 +169,7 @@ impl Siemens {
                 let aside = (calling.outer > 0).then(|| calls.set_aside(calling.outer));
                 calls.enter_part(Level { aside, ..Level::default() });
             }
-            Some(calling) => calls.enter(Level { given: calling.given, ..Level::default() }),
+            Some(calling) => calls.enter(Level { given: Arc::unwrap_or_clone(calling.given), ..Level::default() }),
             None => calls.enter(Level::default()),
         }
     }

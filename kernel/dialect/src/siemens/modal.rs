@@ -5,6 +5,8 @@
 //! path axis, if it has only F or S while G0 or G1 is active, or if it has G0 or G1 with only other G functions.
 //! Invariant: the blocks of the modal subprogram itself, and of the programs it calls, do not call it.
 
+use std::sync::Arc;
+
 use super::calls::{Calling, PassedArgument};
 use super::left::Left;
 use super::line::Item;
@@ -19,7 +21,7 @@ pub(super) struct Modal {
     words: String,
     call: Option<Call>,
     passes: Option<u32>,
-    given: Vec<PassedArgument>,
+    given: Arc<Vec<PassedArgument>>,
     /// Subprograms that were running when it was programmed: variables of the caller are those of this level.
     level: usize,
 }
@@ -45,7 +47,7 @@ impl Siemens {
             for item in items {
                 self.item(host, item, &mut left)?;
             }
-            let given = self.calling.take().map_or_else(Vec::new, |calling| calling.given);
+            let given = self.calling.take().map(|calling| calling.given).unwrap_or_default();
             let (words, call, passes) = (left.words, left.call, left.passes);
             if call.is_some() && !words.trim().is_empty() {
                 return syntax(format!("MCALL takes one call and no further words: {}", words.trim()));
@@ -80,8 +82,11 @@ impl Siemens {
         }
         let Some(call) = &modal.call else { return };
         let own = modal.level == level;
-        let given = modal.given.iter().map(|given| if own { given.clone() } else { given.without_variable() });
-        self.calling = Some(Calling { line: host.place().line, part: false, outer: 0, given: given.collect() });
+        let given = match own {
+            true => Arc::clone(&modal.given),
+            false => Arc::new(modal.given.iter().map(PassedArgument::without_variable).collect()),
+        };
+        self.calling = Some(Calling { line: host.place().line, part: false, outer: 0, given });
         left.call = Some(call.clone());
         left.passes = modal.passes;
         self.modal_from = Some(level);

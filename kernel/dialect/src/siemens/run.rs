@@ -49,7 +49,7 @@ impl Siemens {
                     line.places.clear();
                 }
                 let line = Arc::new(line);
-                if kept {
+                if kept && place.repeats {
                     self.read.insert((place.file, place.line), &line, text.len());
                 }
                 line
