@@ -242,7 +242,7 @@ impl Heidenhain {
         self.cycles.contours.before = Some(Box::new(self.path.clone()));
         self.path.side.is_left = None;
         self.calling = Some(kind);
-        self.keeping = true;
+        self.lines.keeping = true;
         host.read_contour(Call { name: name.into(), place: Some(found), passes: 1, closes: true });
         host.effect();
         host.go_to(place.line)

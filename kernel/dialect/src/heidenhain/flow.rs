@@ -92,7 +92,7 @@ impl Heidenhain {
     /// GOTO LBL.
     pub(super) fn jump(&mut self, host: &mut dyn Host, to: &Formula) -> Result<(), Halt> {
         let (_, line) = self.known_label(host, to)?;
-        self.keeping = true;
+        self.lines.keeping = true;
         host.go_to(line)
     }
 
@@ -124,7 +124,7 @@ impl Heidenhain {
             }
             frame.repeats.push((here.line, left - 1));
             host.effect();
-            self.keeping = true;
+            self.lines.keeping = true;
             return host.go_to(line);
         }
         if passes == 0 {

@@ -72,6 +72,9 @@ fn number(text: &str) -> (Option<u32>, &str) {
 
 /// Capital letters outside quotation marks.
 pub(super) fn capitals(text: &str) -> String {
+    if !text.bytes().any(|byte| byte.is_ascii_lowercase() || byte == b'\t') {
+        return text.to_owned();
+    }
     let mut quoted = false;
     let large = |c: char| {
         quoted ^= c == '"';
@@ -107,7 +110,12 @@ impl<'t> Cursor<'t> {
     }
 
     pub(super) fn blanks(&mut self) {
-        self.at += self.rest().len() - self.rest().trim_start().len();
+        while self.next_byte() == Some(b' ') {
+            self.at += 1;
+        }
+        if !self.next_byte().is_some_and(|byte| byte.is_ascii_graphic()) {
+            self.at += self.rest().len() - self.rest().trim_start().len();
+        }
     }
 
     /// The next byte after blanks.
@@ -118,7 +126,7 @@ impl<'t> Cursor<'t> {
 
     /// The very next byte.
     pub(super) fn next_byte(&self) -> Option<u8> {
-        self.rest().bytes().next()
+        self.text.as_bytes().get(self.at).copied()
     }
 
     pub(super) fn is_over(&mut self) -> bool {

@@ -91,6 +91,40 @@ struct Line {
     next: u32,
 }
 
+/// A line with its place.
+type PlacedLine = ((FileId, u32), Arc<Line>);
+
+/// Lines that were read.
+#[derive(Debug, Default)]
+struct ReadLines {
+    /// A line may run again, so lines are worth keeping.
+    keeping: bool,
+    kept: Kept<Line>,
+    /// The last two: a path block looks at the lines after it before they run.
+    recent: [Option<PlacedLine>; 2],
+}
+
+impl ReadLines {
+    fn get(&mut self, at: (FileId, u32)) -> Option<&Arc<Line>> {
+        let recent = self.recent.iter().flatten().find(|(of, _)| *of == at).map(|(_, line)| line);
+        recent.or_else(|| self.kept.get(at))
+    }
+
+    /// Adds a line whose text has this length.
+    fn add(&mut self, at: (FileId, u32), line: &Arc<Line>, length: usize) {
+        if self.keeping {
+            self.kept.insert(at, line, length);
+        }
+        let [last, _] = std::mem::take(&mut self.recent);
+        self.recent = [Some((at, Arc::clone(line))), last];
+    }
+
+    fn clear(&mut self) {
+        self.kept.clear();
+        self.recent = Default::default();
+    }
+}
+
 /// The pre-processor with its variables.
 #[derive(Debug, Default)]
 pub(crate) struct Heidenhain {
@@ -107,9 +141,7 @@ pub(crate) struct Heidenhain {
     modes: iso_blocks::Modes,
     space: space::Space,
     planes: planes::Planes,
-    /// A line may run again, so compiled lines are worth keeping.
-    keeping: bool,
-    compiled: Kept<Line>,
+    lines: ReadLines,
     labels: Tables<FileId, Labels<statement::Label>>,
 }
 
@@ -131,7 +163,7 @@ impl Heidenhain {
 
     /// A block of a file that is loaded.
     fn line_in(&mut self, host: &mut dyn Host, file: FileId, line: u32) -> Result<Arc<Line>, String> {
-        if let Some(known) = self.compiled.get((file, line)) {
+        if let Some(known) = self.lines.get((file, line)) {
             return Ok(Arc::clone(known));
         }
         let source = host.source(file);
@@ -139,9 +171,9 @@ impl Heidenhain {
         let last = source.as_deref().map_or(0, |source| source.lines());
         let (read, marked) = self.compile(host, text(line), (line, last), &text)?;
         let read = Arc::new(read);
-        if !marked && self.keeping {
+        if !marked {
             let length = (line..read.next).map(|line| text(line).len()).sum();
-            self.compiled.insert((file, line), &read, length);
+            self.lines.add((file, line), &read, length);
         }
         Ok(read)
     }
@@ -233,7 +265,7 @@ impl Interpreter for Heidenhain {
     }
 
     fn on_call(&mut self, _: &mut dyn Host) {
-        self.keeping = true;
+        self.lines.keeping = true;
         let kind = self.calling.take().unwrap_or(flow::Kind::Program);
         match kind {
             flow::Kind::Program => self.variables.calls.enter(Level::default()),
@@ -275,7 +307,7 @@ impl Interpreter for Heidenhain {
 
     fn memory(&self) -> u64 {
         (self.variables.bytes()
-            + self.compiled.bytes()
+            + self.lines.kept.bytes()
             + self.labels.bytes()
             + self.tools.bytes()
             + self.cycles.contours.bytes()
@@ -286,7 +318,7 @@ impl Interpreter for Heidenhain {
         let made = self.settings.make(name, values);
         if made == Setting::Made {
             // The setting decides which lines are joined, so all lines are read again.
-            self.compiled.clear();
+            self.lines.clear();
         }
         made
     }

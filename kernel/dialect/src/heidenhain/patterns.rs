@@ -358,7 +358,7 @@ impl Heidenhain {
         }
         if !is_last {
             self.cycles.pattern.call = Some(Call { next: call.next + 1, ..call });
-            self.keeping = true;
+            self.lines.keeping = true;
             host.effect();
             host.go_to(place.line)?;
         }

@@ -180,14 +180,17 @@ pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
         }
         _ => {}
     }
-    if let Some(statement) = key_word(&mut cursor)? {
+    let first = cursor.next_byte().unwrap_or(b' ');
+    if may_be_key_word(cursor.rest())
+        && let Some(statement) = key_word(&mut cursor)?
+    {
         return Ok(statement);
     }
     if let Some(statement) = super::iso::read(&mut cursor)? {
         return Ok(statement);
     }
     for (word, shape) in Shape::WORDS {
-        if path_word(&mut cursor, word) {
+        if word.as_bytes().first() == Some(&first) && path_word(&mut cursor, word) {
             let words = words(&mut cursor);
             let words = if shape.is_free() { super::auxiliary::point_words(words) } else { words };
             return Ok(Statement::Path { shape, iso: false, words });
@@ -199,6 +202,16 @@ pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
         true => Statement::Foreign(words),
         false => super::iso::path(words),
     })
+}
+
+/// Whether a block may begin with the keyword of a statement other than a path block: most blocks do not.
+fn may_be_key_word(text: &str) -> bool {
+    match text.as_bytes() {
+        [b'L', second, ..] => *second == b'B',
+        [b'C', second, ..] => matches!(second, b'A' | b'Y'),
+        [first, ..] => matches!(first, b'F' | b'D' | b'S' | b'P' | b'B' | b'E' | b'T'),
+        [] => false,
+    }
 }
 
 /// The keyword of a path block: one letter has to be alone.

@@ -4,7 +4,8 @@
 //! number keeps its text, and text that is not a word stays unchanged, so that the tables of the machine decide.
 
 use counterpoint_fault::Halt;
-use std::sync::Arc;
+use std::borrow::Cow;
+use std::sync::{Arc, LazyLock};
 
 use super::eval::Evaluator;
 use super::formula::{Name, parameter};
@@ -77,6 +78,16 @@ pub(super) fn words(cursor: &mut Cursor<'_>) -> Vec<Word> {
     out
 }
 
+/// A name. Those of one letter, which most words have, are made once.
+fn shared(name: &str) -> Arc<str> {
+    static LETTERS: LazyLock<[Arc<str>; 26]> =
+        LazyLock::new(|| std::array::from_fn(|at| char::from(b'A' + at as u8).to_string().into()));
+    match name.as_bytes() {
+        [letter] => LETTERS.get(usize::from(letter.wrapping_sub(b'A'))).map_or_else(|| name.into(), Arc::clone),
+        _ => name.into(),
+    }
+}
+
 fn plain(text: &str) -> Word {
     Word { name: text.into(), operand: Operand::None }
 }
@@ -110,18 +121,18 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
         }
     }
     *cursor = ahead;
-    let mut name = letters.to_owned();
+    let mut name = Cow::Borrowed(letters);
     // `DR2+0`: the digit belongs to the name where a value follows it.
     if name == "DR" && cursor.rest().starts_with('2') {
         let mut behind = cursor.clone();
         behind.bump();
         if matches!(behind.next_byte(), Some(b'+' | b'-' | b'Q')) {
             *cursor = behind;
-            name.push('2');
+            name.to_mut().push('2');
         }
     }
     if cursor.take(b'=') {
-        name.push('=');
+        name.to_mut().push('=');
     }
     if name == "F" {
         for (key, feed) in [("MAX", "FMAX"), ("AUTO", "FAUTO")] {
@@ -130,7 +141,7 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
             }
         }
     }
-    Word { operand: operand(cursor, true), name: name.into() }
+    Word { operand: operand(cursor, true), name: shared(&name) }
 }
 
 /// The text after a name; blanks may precede a number.
@@ -155,8 +166,11 @@ fn operand(cursor: &mut Cursor<'_>, blanks: bool) -> Operand {
         }
     } else if let Some((text, value)) = ahead.number() {
         *cursor = ahead;
-        let text = format!("{}{text}", sign.map(String::from).unwrap_or_default());
-        return Operand::Number(text.into(), if sign == Some('-') { -value } else { value });
+        let text: Arc<str> = match sign {
+            None => Arc::from(&*text),
+            Some(sign) => [sign.encode_utf8(&mut [0; 4]), &*text].concat().into(),
+        };
+        return Operand::Number(text, if sign == Some('-') { -value } else { value });
     }
     match sign {
         Some(sign) => {
