@@ -144,6 +144,10 @@ impl Grammar for Reader<'_, '_> {
     }
 
     fn takes(&mut self, word: &str) -> bool {
+        // Most operators are ruled out by their first byte.
+        if !word.bytes().next().is_some_and(|first| first.eq_ignore_ascii_case(&self.cursor.next_byte())) {
+            return false;
+        }
         if word.starts_with(|c: char| c.is_ascii_alphabetic()) {
             return self.cursor.word(word);
         }
