@@ -48,6 +48,9 @@ impl Kernel<'_> {
 
     /// Notes the active offsets while the axes of a motion move.
     pub(crate) fn note_offsets(&mut self, moving: u8) {
+        if self.macros.books.operations.rows.is_empty() || self.macros.books.operations.full {
+            return;
+        }
         let lathe = self.channel.env.machine.tool.offset_digits > 0;
         let moves = |letter: char| self.axis_of(letter).is_some_and(|axis| moving & axis.bit() != 0);
         // A lathe's tool word shifts X, Y and Z, a mill's length offset Z.
@@ -63,7 +66,7 @@ impl Kernel<'_> {
             self.channel.state.place.in_force.work_offset,
         ];
         let operations = &mut self.macros.books.operations;
-        let Some(row) = operations.rows.last_mut().filter(|_| !operations.full) else { return };
+        let Some(row) = operations.rows.last_mut() else { return };
         for (list, number) in row.offsets.iter_mut().zip(numbers) {
             if moving != 0 && number != 0 && list.len() < MOST_OFFSETS && !list.contains(&number) {
                 list.push(number);

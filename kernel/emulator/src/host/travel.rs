@@ -5,7 +5,7 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::macros::books::travel::COLUMNS;
-use counterpoint_event::event::{MAX_AXES, Motion};
+use counterpoint_event::event::{MAX_AXES, Motion, MotionKind};
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_results::geometry::Round;
@@ -63,26 +63,27 @@ impl Kernel<'_> {
     /// Notes where a motion leads.
     pub(crate) fn note_travel(&mut self, motion: &Motion) {
         self.note_offsets(motion.moving);
+        let axes = || {
+            let info = self.channel.env.info;
+            info.channel(self.channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice())
+        };
+        let is_straight = matches!(motion.kind, MotionKind::Rapid | MotionKind::Linear);
+        let round = if is_straight { None } else { Round::of(motion, axes()).map(|round| (round, axes())) };
         let preset = self.channel.state.place.preset;
-        let info = self.channel.env.info;
-        let axes = info.channel(self.channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
-        let round = Round::of(motion, axes);
-        let runtime = &mut *self.macros;
-        let rows = [runtime.books.tool_sums.row_number(), runtime.books.operation_sums.row_number()];
-        let ends = motion.from.iter().zip(&motion.to).zip(&preset).zip(&runtime.books.columns);
+        let books = &mut self.macros.books;
+        let rows = [books.tool_sums.row_number(), books.operation_sums.row_number()];
+        let ends = motion.from.iter().zip(&motion.to).zip(&preset).zip(&books.columns);
         for (axis, (((from, to), preset), column)) in ends.enumerate() {
-            let Some(column) = *column else { continue };
             let (mut low, mut high) = (from.min(*to), from.max(*to));
-            if let Some(round) = round {
+            if let Some((round, axes)) = round {
                 for at in round.reversals(axes, axis) {
                     (low, high) = (low.min(at), high.max(at));
                 }
             }
-            if low < high {
-                let way = (low + preset, high + preset);
-                runtime.books.tool_travel.add(rows[0], column, way);
-                runtime.books.operation_travel.add(rows[1], column, way);
-            }
+            let Some(column) = column.filter(|_| low < high) else { continue };
+            let way = (low + preset, high + preset);
+            books.tool_travel.add(rows[0], column, way);
+            books.operation_travel.add(rows[1], column, way);
         }
     }
 
