@@ -52,6 +52,10 @@ pub trait Words {
     /// Register of a name, with `=` at its end or without, and whether the name is its incremental form.
     fn register_named(&self, name: &str) -> Option<(RegisterId, bool)>;
 
+    /// Register of words that begin with this text, and whether it is the incremental form, if they are data whatever
+    /// their value: neither a code nor a literal text of the machine begins like that.
+    fn data_register(&self, before: &str) -> Option<(RegisterId, bool)>;
+
     /// Steps of one unit that the value of an expression is rounded to at a register, if the machine rounds.
     fn steps(&self, register: RegisterId) -> Option<f64>;
 
@@ -78,6 +82,10 @@ pub trait Words {
     /// Adds the words of a part of the block that the interpreter leaves unchanged. `text` is the block, or a copy that
     /// has blanks in place of comments, so places in `text` are places in the block.
     fn push_plain(&mut self, text: &[u8], span: (u32, u32));
+
+    /// Adds a value that replaces a part of the block, as its register reads this number; `word` is its text for the
+    /// trace. False if the text is not a number.
+    fn push_number(&mut self, register: (RegisterId, bool), number: &str, word: &str, span: (u32, u32)) -> bool;
 
     /// Adds words that replace a part of the block, with its place.
     fn push_written(&mut self, words: &str, span: (u32, u32));

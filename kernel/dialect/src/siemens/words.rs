@@ -16,6 +16,7 @@ use super::value::{Data, shown};
 use super::{Fault, Outcome, Siemens};
 use crate::host::{AxisPlace, Host};
 use counterpoint_fault as diag;
+use counterpoint_machine::index::RegisterId;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
@@ -37,6 +38,8 @@ pub(super) struct Spelling {
     plain: bool,
     /// `X=`.
     equals: bool,
+    /// The register of words without and with an equal sign whose values are data.
+    data: [Option<(RegisterId, bool)>; 2],
 }
 
 impl Spelling {
@@ -146,7 +149,11 @@ impl Siemens {
             }
         }
         left.add(&address);
+        let start = left.words.len() - address.len();
         left.words.push_str(sign);
+        let [without, with] = spelling.data;
+        let register = if sign.is_empty() { without } else { with };
+        left.places.note_number(register, [start, left.words.len(), left.words.len() + text.len()]);
         left.words.push_str(&text);
         Ok(())
     }
@@ -168,7 +175,7 @@ impl Siemens {
         let one = address.len() == 1;
         let collapses = match self.settings.collapse {
             Some(collapse) => collapse && one,
-            None => one && spelling == Spelling { plain: true, equals: false },
+            None => one && spelling.plain && !spelling.equals,
         };
         if collapses { "" } else { "=" }
     }
@@ -178,7 +185,12 @@ impl Siemens {
         if let Some(known) = self.spellings.get(address) {
             return *known;
         }
-        let spelling = Spelling { plain: host.is_register(address), equals: host.is_register(&format!("{address}=")) };
+        let with_sign = format!("{address}=");
+        let spelling = Spelling {
+            plain: host.is_register(address),
+            equals: host.is_register(&with_sign),
+            data: [address, &*with_sign].map(|before| host.data_register(before)),
+        };
         if self.spellings.len() < MOST_SPELLINGS {
             self.spellings.insert(address.to_owned(), spelling);
         }

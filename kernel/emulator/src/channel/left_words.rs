@@ -31,7 +31,8 @@ impl LeftWords {
         self.joined = None;
     }
 
-    fn add(&mut self, text: impl FnOnce() -> String) {
+    /// Adds the text of words, if it may be asked for.
+    pub(super) fn add(&mut self, text: impl FnOnce() -> String) {
         if self.asked {
             if !self.text.is_empty() {
                 self.text.push(' ');

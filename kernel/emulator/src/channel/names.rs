@@ -52,6 +52,11 @@ impl WordNames {
         in_small_letters(name, |name| self.spelled.contains(name))
     }
 
+    /// Whether a literal text begins with this text.
+    pub(super) fn begins_text(&self, text: &str) -> bool {
+        in_small_letters(text, |text| self.texts.keys().any(|known| known.starts_with(text)))
+    }
+
     /// Row of a literal text.
     pub(super) fn text(&self, text: &str) -> Option<CodeRowId> {
         in_small_letters(text, |text| self.texts.get(text).copied())

@@ -6,7 +6,7 @@ use counterpoint_event::info::Unit;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::model::{MacroWords, Triples};
 use counterpoint_machine::number::written;
-use counterpoint_program::block::{Word, irregular};
+use counterpoint_program::block::{Block, Word, irregular};
 use counterpoint_program::key_words::Number;
 
 impl Words for Kernel<'_> {
@@ -63,6 +63,18 @@ impl Words for Kernel<'_> {
         self.plan.names.register(name)
     }
 
+    fn data_register(&self, before: &str) -> Option<(RegisterId, bool)> {
+        let plan = self.plan;
+        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+        let text = format!("{before}1");
+        let mut block = Block::default();
+        scanner.scan_part(text.as_bytes(), (0, text.len() as u32), self.channel.state.secondary, &mut block);
+        let [word] = block.words.as_slice() else { return None };
+        let is_whole = (word.start, word.end as usize) == (0, text.len()) && block.texts.is_empty();
+        let is_data = plan.registers.only_data & word.register.bit() != 0 && !plan.names.begins_text(before);
+        (is_whole && is_data && !block.has_remarks()).then_some((word.register, word.incremental))
+    }
+
     fn steps(&self, register: RegisterId) -> Option<f64> {
         let [primary, secondary] = self.plan.rules.steps.as_ref()?[register];
         Some(if self.channel.state.secondary { secondary } else { primary })
@@ -112,6 +124,22 @@ impl Words for Kernel<'_> {
 
     fn push_plain(&mut self, text: &[u8], span: (u32, u32)) {
         self.left_plain(text, span);
+    }
+
+    fn push_number(
+        &mut self,
+        (register, incremental): (RegisterId, bool),
+        number: &str,
+        word: &str,
+        (start, end): (u32, u32),
+    ) -> bool {
+        let read = self.plan.scanner.reading_of(register, number.as_bytes(), self.channel.state.secondary);
+        let Some((value, bits)) = read else { return false };
+        self.channel.block.flags.irregular |= bits;
+        self.channel.block.push(Word { register, incremental, used: false, made: true, value, start, end });
+        self.dialect.left.add(|| word.to_owned());
+        self.flow.pass.effects = true;
+        true
     }
 
     fn push_written(&mut self, words: &str, span: (u32, u32)) {
