@@ -55,7 +55,7 @@ impl Kernel<'_> {
                 self.cycle_block(words, span, &mut direct)?;
             }
         }
-        if let Some(modes) = modes {
+        if let Some(modes) = modes.filter(|modes| *modes != self.channel.state.modal.saved()) {
             self.put_modes_back(&modes);
         }
         let level = self.flow.frames.len() as u16;
