@@ -148,10 +148,43 @@ fn the_last_block_is_not_exempt_from_the_limit_of_time() {
         job.run(&files, &control, &mut Log::default());
         control.reached()
     };
-    for text in ["G4 X10.\nM30", "G98 G1 W10. F60. M30", "G98 G1 W10. F60.\n%"] {
-        assert_eq!(run(text, 9), Some(Limit::SimulatedTime), "{text}");
-        assert_eq!(run(text, 10), None, "{text}");
+    // The moves take a little more than 10 s, as they start and stop.
+    for (text, enough) in [("G4 X10.\nM30", 10), ("G98 G1 W10. F60. M30", 11), ("G98 G1 W10. F60.\n%", 11)] {
+        assert_eq!(run(text, enough - 1), Some(Limit::SimulatedTime), "{text}");
+        assert_eq!(run(text, enough), None, "{text}");
     }
+}
+
+/// The limit that a program on a mill with accelerations reaches, and the time of its last event, s.
+fn on_a_mill(text: &str, seconds: i64) -> (Option<Limit>, f64) {
+    let machine = load(&package::shipped(), "fanuc-mill").machine.expect("shipped machine");
+    let mut files = Memory::default();
+    files.insert("a.nc".to_owned(), text.as_bytes());
+    let programs = vec![Program { file: "a.nc".to_owned(), number: None, section: None, channel: None }];
+    let options = Options { limits: Limits { simulated_ns: seconds * S, ..Limits::default() }, ..Options::default() };
+    let job = Job::prepare(Spec { machine: machine.into(), programs, options }, &files).expect("a job that can run");
+    let (control, mut log) = (Control::new(1), Log::default());
+    job.run(&files, &control, &mut log);
+    let end = log.0.iter().map(|event| event.t_ns + event.dur_ns).max().unwrap_or(0);
+    (control.reached(), end as f64 / 1e9)
+}
+
+#[test]
+fn the_limit_of_time_counts_the_time_that_moves_take_with_their_accelerations() {
+    // Each move of 0.1 mm takes far longer than its length at 10 m/min, as it starts and stops.
+    let moves = "G1 X0.1\nX0.\n".repeat(400);
+    let (endless, finite) = (format!("G94 F10000\nN10 {moves}GOTO 10\nM30\n"), format!("G94 F10000\n{moves}M30\n"));
+    let (limit, whole) = on_a_mill(&finite, 1000);
+    assert_eq!(limit, None);
+    let by_length = 800.0 * 0.1 / (10_000.0 / 60.0);
+    assert!(whole > 5.0 * by_length, "{whole} s, {by_length} s without accelerations");
+    let seconds = whole as i64 - 1;
+    assert_eq!(on_a_mill(&finite, seconds).0, Some(Limit::SimulatedTime), "{whole} s");
+    let (limit, end) = on_a_mill(&endless, 3 * seconds);
+    assert_eq!(limit, Some(Limit::SimulatedTime));
+    // The moves in the look-ahead, 100 of 800, are still executed.
+    let bounds = 3.0 * seconds as f64..=3.0 * seconds as f64 + whole / 4.0;
+    assert!(bounds.contains(&end), "{end} s is not in {bounds:?}");
 }
 
 /// A clock that advances by a second each time its own thread reads it.

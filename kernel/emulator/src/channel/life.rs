@@ -79,11 +79,12 @@ impl Kernel<'_> {
         while let Some(next) = self.restarted(halt) {
             halt = self.end_macros(next);
         }
-        if let Halt::ProgramEnd(_) = halt
-            && let Err(limit) = self.check_limits()
-        {
-            // No later block checks the limit for the last block.
-            halt = limit;
+        if let Halt::ProgramEnd(_) = halt {
+            // No later block checks the limit for the last block, and for the moves whose time was not known yet.
+            self.come_to_rest();
+            if let Err(limit) = self.check_limits() {
+                halt = limit;
+            }
         }
         self.close_files(halt);
         self.finish(halt)
@@ -222,7 +223,7 @@ impl Kernel<'_> {
     pub(crate) fn check_limits(&mut self) -> Acted {
         let limits = &self.channel.env.options.limits;
         // All at once, as a block is seldom beyond any of them.
-        let within = (self.channel.at.clock <= limits.simulated_ns)
+        let within = (self.channel.now() <= limits.simulated_ns)
             & (self.channel.at.blocks + self.channel.burden.blocks() <= limits.blocks)
             & (self.ports.emitter.count() <= limits.events)
             & (self.channel.at.idle_blocks <= limits.zero_time_blocks)
@@ -234,7 +235,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn check_each_limit(&mut self) -> Acted {
         let limits = &self.channel.env.options.limits;
-        let (limit, reason) = if self.channel.at.clock > limits.simulated_ns {
+        let (limit, reason) = if self.channel.now() > limits.simulated_ns {
             let reason = format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9);
             (Limit::SimulatedTime, reason)
         } else if self.channel.at.blocks + self.channel.burden.blocks() > limits.blocks {

@@ -235,6 +235,7 @@ impl Pace {
 
 impl Channel<'_> {
     /// The time as far as it is known, ns: while moves wait for theirs, it may be later.
+    #[inline(always)]
     pub(crate) fn now(&self) -> i64 {
         self.at.clock + self.pace.as_ref().map_or(0, |pace| pace.late)
     }
