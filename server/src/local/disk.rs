@@ -6,9 +6,11 @@ use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 use prometheus_client::metrics::counter::Counter;
 
+use super::free_space::FreeSpace;
 use super::owner::Owner;
 
 /// The next operation on a file or folder.
@@ -139,10 +141,10 @@ impl Disk {
         File::open(path)
     }
 
-    /// Free bytes for the server on the disk of a folder; `None` where the system does not say.
-    pub(crate) fn free(&self, folder: &Path) -> Option<u64> {
+    /// Free bytes for the server on the disk of a folder, whose last reading the caller keeps; `None` where the system does not say.
+    pub(crate) fn free(&self, folder: &Path, last: &FreeSpace) -> Option<u64> {
         let injected = self.faults.as_ref().and_then(|faults| faults.free());
-        injected.or_else(|| free(folder))
+        injected.or_else(|| last.at(Instant::now(), || free(folder)))
     }
 }
 

@@ -7,6 +7,7 @@ pub(crate) mod blobs;
 pub(crate) mod contained;
 pub mod disk;
 pub(crate) mod folder_lock;
+mod free_space;
 pub(crate) mod ledger;
 mod logs;
 mod marks;

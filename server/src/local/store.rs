@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::disk::{Disk, Temporary};
 use super::folder_lock::FolderLock;
+use super::free_space::FreeSpace;
 use super::marks::Marks;
 use super::named::{Named as _, can_be_written, named};
 use super::shared::Shared;
@@ -37,6 +38,7 @@ pub(crate) struct Store {
     jobs_synced: Arc<Shared>,
     /// Marks of running jobs.
     marks: Arc<Marks>,
+    free: Arc<FreeSpace>,
 }
 
 /// Closes the folder, and files in it that a command has created with another mode, to all users except the server's.
@@ -76,6 +78,7 @@ impl Store {
             lasting: Arc::default(),
             unsure: Arc::default(),
             jobs_synced: Arc::default(),
+            free: Arc::default(),
         };
         for folder in ["blobs", "jobs"] {
             let folder = store.root.join(folder);
@@ -115,6 +118,7 @@ impl Store {
             lasting: Arc::default(),
             unsure: Arc::default(),
             jobs_synced: Arc::default(),
+            free: Arc::default(),
         })
     }
 
@@ -133,7 +137,7 @@ impl Store {
 
     /// Free bytes on the disk of the folder; `None` where the system does not say.
     pub(crate) fn free(&self) -> Option<u64> {
-        self.disk.free(&self.root)
+        self.disk.free(&self.root, &self.free)
     }
 
     /// Whether the folder holds anything that only a ledger explains.
