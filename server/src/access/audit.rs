@@ -140,7 +140,8 @@ impl Audit {
         targets.iter().for_each(|target| self.write(&Line { peer, target, ..line.clone() }));
     }
 
-    fn note_of(
+    /// Notes a call with its targets, its code and, if it was refused, the reason.
+    pub(crate) fn note_of(
         &self,
         peer: SocketAddr,
         identity: Option<&Identity>,

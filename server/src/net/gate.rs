@@ -15,6 +15,7 @@ use tonic_types::StatusExt as _;
 
 use super::held::Ended;
 use super::tls::Tls;
+use super::unanswered::End;
 use super::web::Web;
 use crate::access::audit::{Audit, changes};
 use crate::access::calls::Needs;
@@ -179,16 +180,33 @@ impl Gate {
         answer: &Response<Body>,
         time: Duration,
     ) {
-        let code = answer.headers().get("grpc-status").map_or(Code::Ok, |code| Code::from_bytes(code.as_bytes()));
-        self.metrics.call(calls::name(path), name(code), time);
+        let code = self.counted(path, answer, time);
         let refusal = if self.audit.is_some() { Status::from_header_map(answer.headers()) } else { None };
         self.note(peer, caller, path, (code, &refusal.map_or_else(String::new, |status| reason(&status))));
     }
 
-    /// Notes a call that its client has ended before its answer.
-    pub(super) fn unanswered(&self, peer: SocketAddr, identity: Option<&Identity>, path: &str, targets: &[String]) {
-        if let Some(audit) = &self.audit {
-            audit.note_unanswered(peer, identity, path, targets);
+    /// Counts a call in the metrics; returns its code.
+    pub(super) fn counted(&self, path: &str, answer: &Response<Body>, time: Duration) -> Code {
+        let code = answer.headers().get("grpc-status").map_or(Code::Ok, |code| Code::from_bytes(code.as_bytes()));
+        self.metrics.call(calls::name(path), name(code), time);
+        code
+    }
+
+    /// Notes a call that has ended before its answer, with its targets.
+    pub(super) fn unanswered(
+        &self,
+        peer: SocketAddr,
+        identity: Option<&Identity>,
+        path: &str,
+        (targets, end): (&[String], End),
+    ) {
+        let Some(audit) = &self.audit else { return };
+        match end {
+            End::Client => audit.note_unanswered(peer, identity, path, targets),
+            End::Deadline => {
+                let status = Status::from(Refusal::CallDeadline);
+                audit.note_of(peer, identity, path, targets, (status.code(), &reason(&status)));
+            }
         }
     }
 

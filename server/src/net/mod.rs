@@ -332,7 +332,7 @@ async fn answer(
     let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
     caller.iter().for_each(|caller| peer.gate.note_before(peer.address, caller, &path));
     let unanswered = Unanswered::new(peer.clone(), caller.clone(), path.clone());
-    let mut stay = None;
+    let (mut stay, mut late) = (None, false);
     let response = {
         // Pinned where they are, as a future that moves into another one takes its room twice.
         let answered = pin!(async {
@@ -365,12 +365,18 @@ async fn answer(
             None => answered.await?,
             Some(deadline) => match timeout_at(deadline, answered).await {
                 Ok(response) => response?,
-                Err(_) => Status::from(Refusal::CallDeadline).into_http(),
+                Err(_) => {
+                    late = true;
+                    Status::from(Refusal::CallDeadline).into_http()
+                }
             },
         }
     };
     let mut response = detailed(response);
-    unanswered.answered(&response, begin.elapsed());
+    match late {
+        true => unanswered.late(&response, begin.elapsed()),
+        false => unanswered.answered(&response, begin.elapsed()),
+    }
     if let Some(origin) = readable {
         web::allow(response.headers_mut(), origin);
     }

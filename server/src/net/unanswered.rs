@@ -1,7 +1,7 @@
 //! Calls that end without an answer.
 //!
 //! *Invariant:* a call that may have changed something has a line in the audit log, even if its client has ended the
-//! call. The line is written when the work of the call is over.
+//! call or its deadline has passed. The line is written when the work of the call is over.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,23 +12,40 @@ use tonic::body::Body;
 use super::Peer;
 use crate::access::Caller;
 
-/// A call without an answer. If its client ends it, its future is dropped, and the audit log gets a line.
+/// A call without an answer. If its client ends it or its deadline passes, its future is dropped, and the audit log gets
+/// a line.
 pub(super) struct Unanswered {
     peer: Arc<Peer>,
     caller: Option<Caller>,
     /// Empty once the call has an answer.
     path: String,
+    end: End,
+}
+
+/// The reason why a call has no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    /// The client has ended it.
+    Client,
+    /// Its deadline has passed.
+    Deadline,
 }
 
 impl Unanswered {
     pub(super) fn new(peer: Arc<Peer>, caller: Option<Caller>, path: String) -> Self {
-        Self { peer, caller, path }
+        Self { peer, caller, path, end: End::Client }
     }
 
     /// The call has an answer.
     pub(super) fn answered(mut self, response: &Response<Body>, time: Duration) {
         let path = std::mem::take(&mut self.path);
         self.peer.gate.answered(self.peer.address, self.caller.as_ref(), &path, response, time);
+    }
+
+    /// The deadline of the call has passed; `response` says so.
+    pub(super) fn late(mut self, response: &Response<Body>, time: Duration) {
+        self.end = End::Deadline;
+        self.peer.gate.counted(&self.path, response, time);
     }
 }
 
@@ -37,13 +54,13 @@ impl Drop for Unanswered {
         if self.path.is_empty() {
             return;
         }
-        let (peer, path) = (self.peer.clone(), std::mem::take(&mut self.path));
+        let (peer, path, end) = (self.peer.clone(), std::mem::take(&mut self.path), self.end);
         match &self.caller {
-            None => peer.gate.unanswered(peer.address, None, &path, &[]),
+            None => peer.gate.unanswered(peer.address, None, &path, (&[], end)),
             Some(caller) => {
                 let identity = caller.identity.clone();
                 caller.note_at_the_end(move |targets| {
-                    peer.gate.unanswered(peer.address, Some(&identity), &path, &targets);
+                    peer.gate.unanswered(peer.address, Some(&identity), &path, (&targets, end));
                 });
             }
         }

@@ -13,6 +13,7 @@ use tokio::sync::Notify;
 use crate::audited::{all_lines, audited, lines};
 use crate::guarded::*;
 use crate::support::*;
+use crate::web::ask_at;
 
 /// A disk that delays every sync while it is closed.
 #[derive(Default)]
@@ -65,6 +66,21 @@ impl Cut {
         // The server reads the end of the previous call first, because this call uses the same connection.
         self.caller.list().await;
         self.gate.set(false);
+    }
+
+    /// Makes a call whose deadline passes while its change is on the way to the disk, and returns its answer. No client
+    /// ends the call earlier.
+    async fn late(&self, token: &str, call: &str, request: &impl prost::Message) -> String {
+        let mut body = vec![0];
+        body.extend(u32::try_from(request.encoded_len()).unwrap().to_be_bytes());
+        body.extend(request.encode_to_vec());
+        let headers = format!(
+            "content-type: application/grpc-web+proto\r\ngrpc-timeout: 300m\r\nauthorization: Bearer {token}\r\n"
+        );
+        self.gate.set(true);
+        let answer = ask_at(&self.server, ("POST", &format!("/counterpoint.v1.{call}")), &headers, &body).await;
+        self.gate.set(false);
+        String::from_utf8_lossy(&answer).into_owned()
     }
 
     async fn submit(&self, id: &str, script: &str, options: v1::JobOptions) -> String {
@@ -212,4 +228,50 @@ async fn the_audit_log_names_each_change_before_it_is_made() {
     cut.call(async move { jobs.cancel_job(v1::CancelJobRequest { job_id }).await }).await;
     assert_eq!(asked("Jobs/CancelJob"), [running]);
     cut.server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_change_whose_deadline_passes_is_made_whole_and_noted_with_its_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut options, audit) = audited(folder.path());
+    options.guard.grpc_web = true;
+    let token = grant(&options, "one", "one", Role::Operate);
+    let cut = Cut::start(Options { workers: 1, ..options }, &token).await;
+    let plain = v1::JobOptions::default;
+    let running = cut.submit("running", "EVENTS 9\nHANG", plain()).await;
+    cut.until(&running, |status| status.state() == v1::JobState::Running).await;
+    let held = cut.submit("held", "EVENTS 4", plain()).await;
+
+    let answer = cut.late(&token, "Jobs/PauseJob", &v1::PauseJobRequest { job_id: held.clone() }).await;
+    assert!(answer.contains("grpc-status: 4"), "{answer}");
+    cut.until(&held, |status| status.paused).await;
+    let rerun = v1::RerunJobRequest { job_id: held.clone(), request_id: "again".into(), ..Default::default() };
+    cut.late(&token, "Jobs/RerunJob", &rerun).await;
+    let all = v1::ListJobsRequest { newest_first: true, ..Default::default() };
+    let newest = async || cut.caller.jobs().list_jobs(all.clone()).await.unwrap().into_inner().jobs.remove(0);
+    while newest().await.rerun_of != held {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    let again = newest().await.job_id;
+    let cancel = v1::CancelJobsRequest { all: true, ..Default::default() };
+    cut.late(&token, "Jobs/CancelJobs", &cancel).await;
+    for job in [&running, &held, &again] {
+        assert_eq!(cut.caller.wait(job).await.state(), v1::JobState::Cancelled);
+    }
+    let absent = v1::CancelJobRequest { job_id: "absent".into() };
+    assert_eq!(cut.caller.jobs().cancel_job(absent).await.unwrap_err().code(), tonic::Code::NotFound);
+    let line = |call: &str, target: &str| {
+        let parts = ["one", call, target, "DeadlineExceeded"].map(str::to_owned);
+        <(String, String, String, String)>::from(parts)
+    };
+    let expected = [
+        line("Jobs/PauseJob", &held),
+        line("Jobs/RerunJob", &again),
+        line("Jobs/CancelJobs", &again),
+        line("Jobs/CancelJobs", &held),
+        line("Jobs/CancelJobs", &running),
+    ];
+    cut.server.stop().await;
+    let late: Vec<_> = lines(&audit).into_iter().filter(|(.., code)| code == "DeadlineExceeded").collect();
+    assert_eq!(late, expected);
 }

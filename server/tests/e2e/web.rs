@@ -16,10 +16,15 @@ const LIST: &str = "/counterpoint.v1.Jobs/ListJobs";
 
 /// Sends a request and gives all that comes back until the server closes the connection.
 pub(crate) async fn ask(server: &Server, method: &str, headers: &str, body: &[u8]) -> Vec<u8> {
+    ask_at(server, (method, LIST), headers, body).await
+}
+
+/// Sends a request to a path.
+pub(crate) async fn ask_at(server: &Server, (method, path): (&str, &str), headers: &str, body: &[u8]) -> Vec<u8> {
     let mut stream = TcpStream::connect(server.handle.address()).await.unwrap();
     let length = body.len();
     let head = format!(
-        "{method} {LIST} HTTP/1.1\r\nhost: x\r\nconnection: close\r\ncontent-length: {length}\r\n{headers}\r\n"
+        "{method} {path} HTTP/1.1\r\nhost: x\r\nconnection: close\r\ncontent-length: {length}\r\n{headers}\r\n"
     );
     stream.write_all(head.as_bytes()).await.unwrap();
     stream.write_all(body).await.unwrap();
