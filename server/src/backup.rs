@@ -2,11 +2,12 @@
 //!
 //! A file in the folder of a running server requests a copy of its ledger; every user with write access to the folder
 //! may request it. Files that the rows of that copy need never change once they exist, so they are copied without the
-//! server. Invariant: a backup is a data folder of its own, complete at the end of the call or not used.
+//! server. Invariants: a backup is a data folder of its own, complete at the end of the call or not used; one command at a
+//! time writes to a folder.
 
 use std::fs::{self, File};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use uuid::Uuid;
@@ -17,7 +18,7 @@ use crate::local::disk::Disk;
 use crate::local::folder_lock::FolderLock;
 use crate::local::ledger::checkup::{Checkup, copy_ledger};
 use crate::local::owner::Owner;
-use crate::local::store::Store;
+use crate::local::store::{Store, keep_private};
 use crate::reason::Refusal;
 use crate::results::Document;
 
@@ -29,6 +30,9 @@ const COPYING: Duration = Duration::from_secs(600);
 const LOOK: Duration = Duration::from_millis(50);
 /// Between two checks that a server still uses the folder.
 const LOOK_FOR_SERVER: Duration = Duration::from_secs(1);
+
+/// File in the folder to which a backup or a restore writes.
+const CLAIM: &str = "copy-in-progress";
 
 /// The content of a backup.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +51,7 @@ pub struct Contents {
 /// When `to` is not empty, when a file cannot be read or written, or when the server does not answer.
 pub fn backup(from: &Path, to: &Path) -> Result<Contents, String> {
     has_ledger(from)?;
-    make_empty(to)?;
+    let _claim = Claim::of(to)?;
     contained(|| copy_with_ledger(from, to))
         .and_then(|copied| copied)
         .map_err(|refusal| format!("the backup is not whole, remove '{}': {refusal}", to.display()))
@@ -147,13 +151,20 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
     if !from.join("ledger.redb").is_file() {
         return Err(format!("'{}' is not a backup: it has no ledger.redb", from.display()));
     }
+    if from.join(CLAIM).exists() {
+        return Err(format!(
+            "'{}' is not a whole backup: the backup that writes to it has not ended, or was interrupted (file \
+             '{CLAIM}'); wait for its end, or restore another backup",
+            from.display()
+        ));
+    }
     if let (Some(damage), false) = (examine(from, false)?.first(), damaged) {
         let all = format!("counterpointd doctor --data '{}'", from.display());
         return Err(format!(
             "the backup is damaged (all damages: {all}; restore it all the same: --damaged): {damage}"
         ));
     }
-    make_empty(to)?;
+    let _claim = Claim::of(to)?;
     let owner = Owner::of(to);
     let unfinished = |error: io::Error| format!("the folder '{}' is not whole, remove it: {error}", to.display());
     for part in ["blobs", "jobs"] {
@@ -166,19 +177,63 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
     copy_file(&from.join("ledger.redb"), &to.join("ledger.redb"), owner).map_err(unfinished)
 }
 
-fn make_empty(folder: &Path) -> Result<(), String> {
-    let shown = folder.display();
-    fs::create_dir_all(folder).map_err(|error| format!("'{shown}' cannot be created: {error}"))?;
-    match fs::read_dir(folder).map(|mut entries| entries.next().is_none()) {
-        Ok(true) => tempfile::tempfile_in(folder).map(drop).map_err(|error| {
-            let error = io::Error::from(error.kind());
-            format!(
-                "'{shown}' cannot be written: {error}: choose another folder, or make this one writable for the user"
-            )
-        }),
-        Ok(false) => Err(format!("'{shown}' is not empty: choose a new folder")),
-        Err(error) => Err(format!("'{shown}' cannot be read: {error}")),
+/// The claim of a command to the folder that it fills; ends when dropped.
+#[derive(Debug)]
+struct Claim(PathBuf);
+
+impl Claim {
+    /// Claims a new or empty folder and closes it to other users.
+    fn of(folder: &Path) -> Result<Self, String> {
+        let shown = folder.display();
+        fs::create_dir_all(folder).map_err(|error| format!("'{shown}' cannot be created: {error}"))?;
+        let not_empty = || format!("'{shown}' is not empty: choose a new folder");
+        // A folder with other files gets no claim.
+        if is_empty(folder).is_ok_and(|empty| !empty) && !folder.join(CLAIM).exists() {
+            return Err(not_empty());
+        }
+        let claim = folder.join(CLAIM);
+        match File::options().write(true).create_new(true).open(&claim) {
+            Ok(_) => {}
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                return Err(format!(
+                    "another backup or restore writes to '{shown}', or was interrupted (file '{CLAIM}'): choose a new \
+                     folder"
+                ));
+            }
+            Err(error) => {
+                let error = io::Error::from(error.kind());
+                return Err(format!(
+                    "'{shown}' cannot be written: {error}: choose another folder, or make this one writable for the \
+                     user"
+                ));
+            }
+        }
+        let claim = Self(claim);
+        match is_empty(folder) {
+            Ok(true) => {
+                keep_private(folder);
+                Ok(claim)
+            }
+            Ok(false) => Err(not_empty()),
+            Err(error) => Err(format!("'{shown}' cannot be read: {error}")),
+        }
     }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0);
+    }
+}
+
+/// Whether a folder has no file but that of its claim.
+fn is_empty(folder: &Path) -> io::Result<bool> {
+    for entry in fs::read_dir(folder)? {
+        if entry?.file_name() != CLAIM {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 fn copy_folder(from: &Path, to: &Path, owner: Owner) -> io::Result<()> {

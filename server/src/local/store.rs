@@ -42,7 +42,7 @@ pub(crate) struct Store {
 }
 
 /// Closes the folder, and files in it that a command has created with another mode, to all users except the server's.
-fn keep_private(root: &Path) {
+pub(crate) fn keep_private(root: &Path) {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;

@@ -133,3 +133,52 @@ async fn a_stopped_server_can_be_backed_up_and_a_damaged_backup_is_restored_only
         assert!(!text.contains("remove") && !target.exists(), "nothing was begun: {text}");
     }
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn of_several_backups_to_one_folder_one_is_made_whole_and_the_others_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    let server = Server::start(options(&data)).await;
+    for name in ["a", "b", "c", "d", "e", "f"] {
+        server.wait(&server.submit(name, &format!("EVENTS 20000\nWRITE {name}")).await).await;
+    }
+    for round in 0..4 {
+        let copy = folder.path().join(format!("copy-{round}"));
+        let begun = [(); 4].map(|()| {
+            let (data, copy) = (data.clone(), copy.clone());
+            tokio::spawn(async move { command(&["backup"], &copy, &data).await })
+        });
+        let mut whole = 0;
+        for one in begun {
+            match one.await.unwrap() {
+                (Some(0), _) => whole += 1,
+                (code, text) => {
+                    let told = text.contains("choose a new folder") && !text.contains("remove");
+                    assert!(code == Some(3) && told, "{code:?} {text}");
+                }
+            }
+        }
+        assert_eq!(whole, 1, "{}", copy.display());
+        assert_eq!(examine(&copy, false), Ok(Vec::new()));
+    }
+    server.stop().await;
+}
+
+#[cfg(unix)]
+#[tokio::test]
+async fn a_restored_folder_is_for_its_owner_only_even_if_it_was_there() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let (data, copy, back) = (folder.path().join("data"), folder.path().join("copy"), folder.path().join("back"));
+    let server = Server::start(options(&data)).await;
+    server.wait(&server.submit("one", "EVENTS 9").await).await;
+    server.stop().await;
+    for (verb, target, of_server) in [("backup", &copy, &data), ("restore", &back, &back)] {
+        std::fs::create_dir(target).unwrap();
+        std::fs::set_permissions(target, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let (code, text) = command(&[verb], &copy, of_server).await;
+        assert_eq!(code, Some(0), "{text}");
+        let mode = target.metadata().unwrap().permissions().mode() & 0o777;
+        assert_eq!(mode, 0o700, "{verb}");
+    }
+}
