@@ -247,9 +247,14 @@ impl Live {
         }
     }
 
+    /// Limit `max_job_bytes` of the run.
+    pub(super) fn most_bytes(&self) -> u64 {
+        lock(&self.limits).bytes.unwrap_or(u64::MAX)
+    }
+
     /// Stops the run if its log or files have more bytes than allowed; `false` if so.
     pub(crate) fn check_bytes(&self, bytes: u64) -> bool {
-        let most = lock(&self.limits).bytes.unwrap_or(u64::MAX);
+        let most = self.most_bytes();
         if bytes > most {
             let text = format!("the run was stopped after {most} bytes of log and files, its limit max_job_bytes");
             self.reach((Reached::MaxJobBytes, text));

@@ -19,6 +19,7 @@ pub(crate) mod live;
 mod observe;
 pub(crate) mod operator;
 pub(crate) mod progress;
+mod received;
 mod recent;
 mod recovery;
 pub(crate) mod renders;

@@ -8,7 +8,7 @@
 //! * No question outlives the run, and none waits longer than the patience of the server.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
@@ -18,6 +18,7 @@ use counterpoint_proto::v1;
 use tokio::sync::watch;
 
 use super::live::lock;
+use super::shares::Growing;
 
 /// Where dialogs wait.
 #[derive(Debug)]
@@ -27,6 +28,8 @@ pub(crate) struct Desk {
     answered: Condvar,
     /// For attending clients: counts changes.
     changes: watch::Sender<u64>,
+    /// Storage for the answers of operators.
+    received: Mutex<Option<Growing>>,
 }
 
 #[derive(Debug, Default)]
@@ -65,7 +68,8 @@ impl Inner {
 impl Desk {
     /// Creates an empty desk.
     pub(crate) fn new() -> Self {
-        Self { inner: Mutex::default(), answered: Condvar::new(), changes: watch::Sender::new(0) }
+        let (inner, received) = (Mutex::default(), Mutex::default());
+        Self { inner, answered: Condvar::new(), changes: watch::Sender::new(0), received }
     }
 
     /// The job will be run again from its start.
@@ -104,6 +108,16 @@ impl Desk {
     pub(crate) fn questions(&self) -> Vec<v1::Question> {
         let inner = lock(&self.inner);
         inner.open.values().filter(|open| !open.claimed).map(|open| open.question.clone()).collect()
+    }
+
+    /// A question that no client has taken yet.
+    pub(crate) fn question(&self, id: u64) -> Option<v1::Question> {
+        lock(&self.inner).open.get(&id).filter(|open| !open.claimed).map(|open| open.question.clone())
+    }
+
+    /// Storage for the answers of operators; none until it is counted.
+    pub(crate) fn received(&self) -> MutexGuard<'_, Option<Growing>> {
+        lock(&self.received)
     }
 
     /// Channels that wait for an answer.

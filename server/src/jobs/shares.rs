@@ -29,7 +29,7 @@ pub(crate) struct Shares {
     growing: Arc<Mutex<BTreeMap<String, u64>>>,
 }
 
-/// The bytes of an upload in progress, which count until this is dropped.
+/// The bytes of an upload in progress, or of the answers to a job that has not ended, which count until this is dropped.
 #[derive(Debug)]
 pub(crate) struct Growing {
     all: Arc<Mutex<BTreeMap<String, u64>>>,
@@ -37,6 +37,30 @@ pub(crate) struct Growing {
     bytes: u64,
     /// Its content is there already, so its bytes do not count.
     stored: bool,
+}
+
+impl Growing {
+    /// The bytes that count.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Counts bytes that are stored already.
+    pub(super) fn add(&mut self, bytes: u64) {
+        self.bytes = self.bytes.saturating_add(bytes);
+        let mut all = lock(&self.all);
+        let of_tenant = all.entry(self.tenant.clone()).or_default();
+        *of_tenant = of_tenant.saturating_add(bytes);
+    }
+
+    /// Counts bytes no more that were not stored.
+    pub(crate) fn remove(&mut self, bytes: u64) {
+        let bytes = bytes.min(self.bytes);
+        self.bytes -= bytes;
+        if let Some(of_tenant) = lock(&self.all).get_mut(&self.tenant) {
+            *of_tenant = of_tenant.saturating_sub(bytes);
+        }
+    }
 }
 
 impl Drop for Growing {
@@ -125,7 +149,7 @@ impl Core {
         Err(Refusal::quota(tenant, "tenant_bytes", most, text))
     }
 
-    /// An upload of a tenant that begins.
+    /// An upload of a tenant that begins, or the answers to one of its jobs.
     pub(crate) fn growing(&self, tenant: &str) -> Growing {
         Growing { all: self.shares.growing.clone(), tenant: tenant.to_owned(), bytes: 0, stored: false }
     }
@@ -137,16 +161,13 @@ impl Core {
         growing
     }
 
-    /// Counts bytes that an upload is about to store, or refuses them.
+    /// Counts bytes that an upload or an answer is about to store, or refuses them.
     pub(crate) fn grow(&self, upload: &mut Growing, bytes: u64) -> Result<(), Refusal> {
         if upload.stored {
             return Ok(());
         }
         self.has_room_for(&upload.tenant, bytes)?;
-        upload.bytes = upload.bytes.saturating_add(bytes);
-        let mut all = lock(&upload.all);
-        let of_tenant = all.entry(upload.tenant.clone()).or_default();
-        *of_tenant = of_tenant.saturating_add(bytes);
+        upload.add(bytes);
         Ok(())
     }
 

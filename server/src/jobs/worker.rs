@@ -243,6 +243,7 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     let info = prepared.info().clone();
     let mut control = Control::new(info.channels.len()).with_stop(stop).with_cpu_clock(cpu::of_this_thread);
     if record.attended {
+        core.received_before(live, &answers);
         live.desk().record(answers);
         live.desk().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
         let (ledger, desk, job) = (core.ledger.clone(), live.desk().clone(), live.id.clone());

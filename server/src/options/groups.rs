@@ -52,7 +52,8 @@ group! {
         max_programs: usize = 64, "COUNTERPOINT_MAX_PROGRAMS", "N";
         /// Maximum wall-clock running time of one run, ms; also the default of a job
         max_wall_ms: u64 = 3_600_000, "COUNTERPOINT_MAX_WALL_MS", "MS";
-        /// Maximum size of a log, and of the files that macros of a job have written, bytes; also the default of a job
+        /// Maximum size of a log, of the files that macros of a job have written, and of the answers to its questions,
+        /// bytes each; also the default of a job
         max_job_bytes: u64 = 4 << 30, "COUNTERPOINT_MAX_JOB_BYTES", "BYTES";
         /// Maximum simulated time of a job, ns
         max_simulated_ns: i64 = MOST.simulated_ns, "COUNTERPOINT_MAX_SIMULATED_NS", "NS";
@@ -115,8 +116,8 @@ group! {
         tenant_queued: usize = 0, "COUNTERPOINT_TENANT_QUEUED", "N";
         /// Maximum jobs of one tenant that run at the same time, its other jobs wait; 0 = no limit
         tenant_running: usize = 0, "COUNTERPOINT_TENANT_RUNNING", "N";
-        /// Maximum storage of one tenant, bytes: uploaded files, machines, and requests, logs, files and results of
-        /// ended jobs; 0 = no limit
+        /// Maximum storage of one tenant, bytes: uploaded files, machines, answers to the questions of jobs, and
+        /// requests, logs, files and results of ended jobs; 0 = no limit
         tenant_bytes: u64 = 0, "COUNTERPOINT_TENANT_BYTES", "BYTES";
         /// Maximum simultaneous uploads of one tenant; 0 = no limit
         tenant_uploads: usize = 0, "COUNTERPOINT_TENANT_UPLOADS", "N";

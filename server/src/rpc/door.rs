@@ -1,8 +1,8 @@
 //! The door of every call: ids, names, labels, paths and tokens of its request have a bounded length and permitted
 //! characters before anything is looked up, logged or stored.
 //!
-//! *Invariant:* every call takes its request through [`enter`], and [`Bounded`] covers each text of the request except
-//! for the values of dialogs, which only the size of the message bounds. A refusal names the field and its limit.
+//! *Invariant:* every call takes its request through [`enter`], and [`Bounded`] covers each text of the request. A
+//! refusal names the field and its limit.
 
 use std::collections::BTreeMap;
 
@@ -26,6 +26,10 @@ const PATH: usize = 255;
 const WRITTEN: usize = 4096;
 /// Most values of the answer to a dialog.
 const VALUES: usize = 1000;
+/// Most bytes of a text of a dialog.
+const TEXT: usize = 64 << 10;
+/// Most bytes of all texts of the answer to a dialog.
+const TEXTS: usize = 256 << 10;
 /// Most answers to dialogs.
 const ANSWERS: usize = 10_000;
 /// Most states of a filter, levels of optional skip, and channels.
@@ -174,10 +178,16 @@ pub(super) fn answer(field: &str, answer: &v1::DialogAnswer) -> Result<(), Refus
     line(&format!("{field}.button"), &answer.button, PATH)?;
     let values = format!("{field}.values");
     entries(&values, answer.values.len(), VALUES)?;
+    let mut bytes = 0;
     answer.values.iter().try_for_each(|(name, value)| {
         line(&values, name, PATH)?;
         let finite = !matches!(value.value, Some(v1::dialog_value::Value::Number(number)) if !number.is_finite());
-        check(finite, &values, format!("the number of '{name}' must be finite"))
+        check(finite, &values, format!("the number of '{name}' must be finite"))?;
+        let length = if let Some(v1::dialog_value::Value::Text(text)) = &value.value { text.len() } else { 0 };
+        bytes += length;
+        let rule =
+            || format!("the text of '{name}' must have at most {TEXT} bytes, all texts {TEXTS}; it has {length}");
+        if length <= TEXT && bytes <= TEXTS { Ok(()) } else { Err(Refusal::field(&values, rule())) }
     })
 }
 

@@ -3,6 +3,7 @@
 //! Invariant: nothing here blocks the async threads on files or renderers; blocking work runs on blocking threads.
 
 mod admin;
+mod answers;
 mod blobs;
 mod debug;
 mod door;

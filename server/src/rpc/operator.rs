@@ -16,7 +16,7 @@ use tokio_stream::{Stream, StreamExt as _};
 use tonic::{Request, Response, Status, Streaming};
 use tracing::Instrument as _;
 
-use super::{Operator, door, first, job, submit, to_the_end};
+use super::{Operator, answers, door, first, job, submit, to_the_end};
 use crate::Record;
 use crate::access::Caller;
 use crate::jobs::Core;
@@ -69,7 +69,8 @@ impl Service for Operator {
             None => false,
             Some(live) => {
                 let core = self.0.clone();
-                let settle = async move { settle(&core, &live, question_id, answer.map(submit::answer)).await };
+                let given = answer.map(|answer| ("answer", answer));
+                let settle = async move { settle(&core, &live, question_id, given).await };
                 to_the_end(&caller, settle).await?
             }
         };
@@ -126,13 +127,25 @@ fn attend(
     Ok(ReceiverStream::new(receive))
 }
 
-/// Answers a question, or declines it if there is no answer; false if the question is closed. If the answer cannot be
-/// stored, the question stays open.
-async fn settle(core: &Core, live: &Live, id: u64, answer: Option<Answer>) -> Result<bool, Refusal> {
+/// An answer, with its place in the request.
+type Given = (&'static str, v1::DialogAnswer);
+
+/// Answers a question, or declines it if there is no answer; false if the question is closed. If the dialog cannot take
+/// the answer, or the answer cannot be stored, the question stays open.
+async fn settle(core: &Core, live: &Live, id: u64, given: Option<Given>) -> Result<bool, Refusal> {
+    if let (Some((field, answer)), Some(question)) = (&given, live.desk().question(id)) {
+        answers::check(field, &question, answer)?;
+    }
     let Some(Claimed { channel, question, dialog }) = live.desk().claim(id) else { return Ok(false) };
-    let answer = answer.map(|answer| Answer { dialog, ..answer });
+    let field = given.as_ref().map_or("", |(field, _)| field);
+    let answer = given.map(|(_, answer)| Answer { dialog, ..submit::answer(answer) });
+    let counted = answer.as_ref().map_or(Ok(0), |answer| core.receive(live, field, answer));
+    let size = counted.inspect_err(|_| live.desk().release(id))?;
     let settled = Settled { channel, question, answer: answer.clone() };
-    core.ledger.answered(live.id.clone(), settled).await.inspect_err(|_| live.desk().release(id))?;
+    core.ledger.answered(live.id.clone(), settled).await.inspect_err(|_| {
+        live.desk().received().iter_mut().for_each(|received| received.remove(size));
+        live.desk().release(id);
+    })?;
     live.desk().answer(id, answer);
     Ok(true)
 }
@@ -205,7 +218,7 @@ impl Attend {
             Said::Answer(answer) => {
                 let given = answer.answer.ok_or_else(|| Refusal::field("answer.answer", "is missing"))?;
                 door::answer("answer.answer", &given)?;
-                (answer.question_id, Some(submit::answer(given)))
+                (answer.question_id, Some(("answer.answer", given)))
             }
         };
         // A question that another client has answered is reported as closed.

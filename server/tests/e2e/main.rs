@@ -11,6 +11,7 @@
 )]
 
 mod admin;
+mod answers;
 mod audited;
 mod backup;
 #[cfg(target_os = "linux")]

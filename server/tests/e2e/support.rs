@@ -1,9 +1,9 @@
 //! A server in process with a scripted runner, and a client for it.
 //!
 //! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `SLOW` (prepared until it is
-//! stopped), `ALARM`, `ASK name` (a dialog; the pressed button becomes a diagnostic), `STEP` (pauses until a command
-//! lets it continue), `SYSTEM` (a diagnostic tells whether commands are allowed), `WRITE path` (a file with that path
-//! as its text), one per line.
+//! stopped), `ALARM`, `ASK name` (a dialog; the pressed button becomes a diagnostic), `FORM name` (the same with
+//! fields), `STEP` (pauses until a command lets it continue), `SYSTEM` (a diagnostic tells whether commands are
+//! allowed), `WRITE path` (a file with that path as its text), one per line.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -11,8 +11,9 @@ use std::sync::{Arc, LazyLock, Mutex};
 use std::time::{Duration, Instant};
 
 use counterpoint_kernel::control::{Control, Stop};
-use counterpoint_kernel::dialog::Dialog;
+use counterpoint_kernel::dialog::answers::Value;
 use counterpoint_kernel::dialog::operator::Question;
+use counterpoint_kernel::dialog::{Dialog, Field, FieldKind};
 use counterpoint_kernel::event::Text;
 use counterpoint_kernel::files::Files;
 use counterpoint_kernel::job::{Outcome, Sink};
@@ -194,6 +195,19 @@ fn burn(time: Duration) {
     }
 }
 
+/// Fields of a dialog, and the values that it lists.
+fn form() -> (Vec<Field>, Vec<(String, Value)>) {
+    let text = |longest| FieldKind::Text { longest };
+    let number = FieldKind::Number { min: 0.0, max: 9.0, whole: true };
+    let mut fields = vec![("NAME", text(5)), ("COUNT", number), ("CLAMP", FieldKind::Check)];
+    fields.extend(["NOTE", "NOTE2", "NOTE3", "NOTE4"].map(|name| (name, text(100_000))));
+    let field = |(name, kind): (&str, FieldKind)| {
+        let label = name.to_owned();
+        Field { variable: label.clone(), label, kind, default: None, required: false, enabled: None }
+    };
+    (fields.into_iter().map(field).collect(), vec![("DEPTH".to_owned(), Value::Number(1.0))])
+}
+
 /// Stands at a place until a command lets it continue; `Show` shows the place.
 fn stand(console: &dyn Console, control: &Control, place: &str) {
     let report = Report { reason: place.into(), ..Report::default() };
@@ -246,11 +260,12 @@ impl Prepared for Ready {
                 }
                 ("BURN", ms) => burn(Duration::from_millis(ms.parse().unwrap())),
                 ("PANIC", _) => panic!("scripted"),
-                ("ASK", name) => {
+                ("ASK" | "FORM", name) => {
                     control.note_outside();
-                    let dialog = Dialog { name: name.into(), title: name.into(), fields: vec![], buttons: vec![] };
-                    let question =
-                        Question { channel: 1, file: "main.nc", line: 1, dialog: &dialog, values: &[], problem: None };
+                    let (fields, values) = if line.starts_with("FORM") { form() } else { Default::default() };
+                    let dialog = Dialog { name: name.into(), title: name.into(), fields, buttons: vec![] };
+                    let (file, values) = ("main.nc", &values[..]);
+                    let question = Question { channel: 1, file, line: 1, dialog: &dialog, values, problem: None };
                     let answer = control.operator().and_then(|operator| operator.ask(&question));
                     self.own.asked.fetch_add(1, Ordering::SeqCst);
                     let text = answer.map_or("-".to_owned(), |answer| answer.button.unwrap_or_default());
