@@ -248,7 +248,12 @@ impl Access {
         if needs == Needs::Nothing {
             return Ok(Admitted { caller: None, wait: None });
         }
-        let authorization = headers.get(http::header::AUTHORIZATION);
+        let mut authorizations = headers.get_all(http::header::AUTHORIZATION).iter();
+        let authorization = authorizations.next();
+        if authorizations.next().is_some() {
+            let text = "the call has more than one 'authorization': send one token";
+            return Err((None, Refusal::Unauthenticated(text.to_owned())));
+        }
         let (identity, _) = self.identify(authorization, names).map_err(|refusal| (None, refusal))?;
         let caller = Caller::new(identity);
         let role = match needs {

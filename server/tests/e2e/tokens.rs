@@ -84,3 +84,21 @@ async fn the_content_of_the_file_of_identities_is_not_a_token() {
     }
     server.stop().await;
 }
+
+#[tokio::test]
+async fn a_call_with_two_tokens_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let tokens = ["one", "two"].map(|tenant| grant(&options, tenant, tenant, Role::Admin));
+    let server = Server::start(options).await;
+    for tokens in [[&tokens[0], &tokens[1]], [&tokens[0], &tokens[0]]] {
+        let mut request = tonic::Request::new(v1::ListJobsRequest::default());
+        for token in tokens {
+            request.metadata_mut().append("authorization", format!("Bearer {token}").parse().unwrap());
+        }
+        let refused = server.jobs().list_jobs(request).await.unwrap_err();
+        assert_eq!(reason(&refused), "UNAUTHENTICATED");
+        assert!(refused.message().contains("more than one 'authorization'"), "{refused:?}");
+    }
+    server.stop().await;
+}
