@@ -229,6 +229,32 @@ async fn submits(door: &mut Door<'_>, bad: &str) {
     door.refuses("Jobs/RerunJob", rerun, "RerunJobRequest.labels.value", "labels").await;
 }
 
+#[tokio::test]
+async fn page_tokens_have_the_limits_of_the_documentation() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let documentation = include_str!("../../../docs/api.md");
+    let row = "| `page_token` of `ListJobs`, `CancelJobs` and `DeleteJobs` | 64 characters |";
+    assert!(documentation.contains(row), "{row}");
+    for (length, rule) in [(64, "is not a next_page_token of this call"), (65, "must have at most 64 characters")] {
+        let page_token = "x".repeat(length);
+        let list = v1::ListJobsRequest { page_token: page_token.clone(), ..Default::default() };
+        let cancel = v1::CancelJobsRequest { page_token: page_token.clone(), all: true, ..Default::default() };
+        let delete = v1::DeleteJobsRequest { page_token, all: true, ..Default::default() };
+        let mut jobs = server.jobs();
+        for refused in [
+            jobs.list_jobs(list).await.unwrap_err(),
+            jobs.cancel_jobs(cancel).await.unwrap_err(),
+            jobs.delete_jobs(delete).await.unwrap_err(),
+        ] {
+            let details = refused.get_error_details();
+            let violation = &details.bad_request().unwrap().field_violations[0];
+            assert!(violation.field == "page_token" && violation.description.starts_with(rule), "{violation:?}");
+        }
+    }
+    server.stop().await;
+}
+
 /// Texts of dialogs may be long.
 async fn values(door: &mut Door<'_>) {
     let whole = door.server.request("values", "EVENTS 1").await;
