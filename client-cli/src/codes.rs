@@ -40,6 +40,7 @@ pub(crate) fn of_error(stage: Stage, error: &Error) -> u8 {
             _ => 255,
         },
         (Stage::Submission, Error::Usage(_)) => 100,
+        (Stage::Submission, Error::NotWritten(_)) => 106,
     }
 }
 

@@ -19,8 +19,8 @@ use crate::report::report;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
 use crate::{
-    admin, analyse, calibrate, completions, explain, job_names, jobs, lint, load, machines, macros, man, many, results,
-    run, say, status,
+    admin, analyse, calibrate, completions, draft, explain, job_names, jobs, lint, load, machines, macros, man, many,
+    results, run, say, status,
 };
 
 /// Executes a command and returns the exit code.
@@ -187,7 +187,7 @@ async fn result(arguments: ResultArgs) -> Result<u8, Error> {
         (ResultKind::Report, output) => {
             let text = reported(&client, job).await?;
             match output {
-                Some(path) => std::fs::write(path, say::plain(&text)).map_err(Error::file(path))?,
+                Some(path) => draft::write(path, say::plain(&text).as_bytes())?,
                 None => say::data(text.as_bytes())?,
             }
         }

@@ -31,6 +31,9 @@ pub(crate) enum Error {
         /// Error of the operating system.
         error: std::io::Error,
     },
+    /// Results that the server refused, while the others were written: each file with its refusal.
+    #[error("{}", not_written(.0))]
+    NotWritten(Vec<(String, Error)>),
     /// Standard output was closed by its reader: not an error.
     #[error("closed")]
     Closed,
@@ -45,6 +48,11 @@ fn file_problem(path: &str, error: &std::io::Error) -> String {
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => format!("'{path}' is a file, not a folder"),
         _ => format!("'{path}': {error}"),
     }
+}
+
+fn not_written(failed: &[(String, Error)]) -> String {
+    let one = |(path, error): &(String, Error)| format!("'{path}' is not written: {error}");
+    failed.iter().map(one).collect::<Vec<_>>().join("\n       ")
 }
 
 fn refusal(status: &Status) -> String {
@@ -92,6 +100,7 @@ impl Error {
                 _ => 3,
             },
             Self::Connection(_) => 3,
+            Self::NotWritten(failed) => failed.iter().map(|(_, error)| error.code()).max().unwrap_or(3),
             Self::Closed => 0,
         }
     }

@@ -14,6 +14,7 @@ mod client;
 mod codes;
 mod commands;
 mod completions;
+mod draft;
 mod encoding;
 mod error;
 mod event_line;

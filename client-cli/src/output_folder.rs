@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::arguments::{Format, ResultKind};
 use crate::client::Client;
+use crate::draft;
 use crate::error::Error;
 use crate::progress::Steps;
 use crate::report::report;
@@ -32,7 +33,8 @@ pub(crate) struct OutputFolder<'a> {
 }
 
 impl OutputFolder<'_> {
-    /// Writes the results of a job whose summary has been read; a line of status names the current file.
+    /// Writes the results of a job whose summary has been read; a line of status names the current file. A result that
+    /// the server refuses does not keep the others from being written.
     pub(crate) async fn write(
         &self,
         client: &Client,
@@ -40,75 +42,97 @@ impl OutputFolder<'_> {
         (summary, text): (&Summary, &[u8]),
         quiet: bool,
     ) -> Result<(), Error> {
-        let mut steps = Steps::new(quiet);
-        self.write_all(client, job, (summary, text), &mut steps).await?;
+        let mut writing = Writing { client, job, folder: self.folder, steps: Steps::new(quiet), failed: Vec::new() };
+        self.write_all(&mut writing, (summary, text)).await?;
+        let Writing { steps, failed, .. } = writing;
         steps.clear();
         if !quiet {
             say::status_line(styled(DIM, format!("results written to {}", self.folder.display())));
         }
-        Ok(())
+        if failed.is_empty() { Ok(()) } else { Err(Error::NotWritten(failed)) }
     }
 
-    async fn write_all(
-        &self,
-        client: &Client,
-        job: &str,
-        (summary, text): (&Summary, &[u8]),
-        steps: &mut Steps,
-    ) -> Result<(), Error> {
+    async fn write_all(&self, writing: &mut Writing<'_>, (summary, text): (&Summary, &[u8])) -> Result<(), Error> {
         let (folder, wanted) = (self.folder, self.wanted);
         std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
         if wanted(ResultKind::Summary) {
-            let path = folder.join("summary.json");
-            std::fs::write(&path, text).map_err(Error::file(&path))?;
+            draft::write(&folder.join("summary.json"), text)?;
         }
-        let program = if self.program == standard_input::NAME { "stdin" } else { self.program };
-        let stem = Path::new(program).file_stem().unwrap_or_default().to_string_lossy();
         let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
-        let form = results::Form { format: Format::Svg, crlf: self.crlf };
-        for (what, extension) in [(ResultKind::Listing, "lce"), (ResultKind::Log, "log")] {
-            for &channel in channels.iter().filter(|_| wanted(what)) {
-                let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
-                let path = folder.join(format!("{stem}{of}.{extension}"));
-                steps.show(&path);
-                results::file(client, job, what, channel, form, &path).await?;
-            }
-        }
-        if channels.len() > 1 && wanted(ResultKind::Listing) {
-            let path = folder.join(format!("{stem}.lce"));
-            steps.show(&path);
-            results::file(client, job, ResultKind::Listing, 0, form, &path).await?;
+        for (name, what, channel, format) in self.files(&channels) {
+            let form = results::Form { format, crlf: self.crlf };
+            writing.result(&name, what, channel, form).await?;
         }
         if wanted(ResultKind::Report) {
-            let path = folder.join("report.txt");
-            let text =
-                self.heading.clone() + &report(summary, true) + &drawn_timeline(client, job, REPORT_WIDTH).await?;
-            std::fs::write(&path, say::plain(&text)).map_err(Error::file(&path))?;
-        }
-        if wanted(ResultKind::Console) {
-            results::file(client, job, ResultKind::Console, 0, form, &folder.join("console.txt")).await?;
-        }
-        for &channel in channels.iter().filter(|_| wanted(ResultKind::Trace)) {
-            let path = folder.join(format!("{channel}.trace"));
-            steps.show(&path);
-            results::file(client, job, ResultKind::Trace, channel, Format::Svg.into(), &path).await?;
-        }
-        let files = [
-            (ResultKind::Events, Format::Json, "events.jsonl"),
-            (ResultKind::Timeline, Format::Svg, "timeline.svg"),
-            (ResultKind::Timeline, Format::Json, "timeline.json"),
-            (ResultKind::Toolpath, Format::Svg, "toolpath.svg"),
-            (ResultKind::Toolpath, Format::Json, "toolpath.json"),
-        ];
-        for (what, format, name) in files {
-            if wanted(what) {
-                let path = folder.join(name);
-                steps.show(&path);
-                results::file(client, job, what, 0, format.into(), &path).await?;
-            }
+            let written = self.report(writing, summary).await;
+            writing.note("report.txt", written)?;
         }
         if wanted(ResultKind::Files) {
-            results::files(client, job, &folder.join("files")).await?;
+            let written = results::files(writing.client, writing.job, &folder.join("files")).await;
+            writing.note("files", written)?;
+        }
+        Ok(())
+    }
+
+    async fn report(&self, writing: &Writing<'_>, summary: &Summary) -> Result<(), Error> {
+        let timeline = drawn_timeline(writing.client, writing.job, REPORT_WIDTH).await?;
+        let text = self.heading.clone() + &report(summary, true) + &timeline;
+        draft::write(&self.folder.join("report.txt"), say::plain(&text).as_bytes())
+    }
+
+    /// Names of the files that are read from the server as they are, each with its result.
+    fn files(&self, channels: &[u32]) -> Vec<(String, ResultKind, u32, Format)> {
+        use ResultKind::{Console, Events, Listing, Log, Timeline, Toolpath, Trace};
+        let program = if self.program == standard_input::NAME { "stdin" } else { self.program };
+        let stem = Path::new(program).file_stem().unwrap_or_default().to_string_lossy();
+        let mut files = Vec::new();
+        for (what, extension) in [(Listing, "lce"), (Log, "log")] {
+            for &channel in channels {
+                let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
+                files.push((format!("{stem}{of}.{extension}"), what, channel, Format::Svg));
+            }
+        }
+        if channels.len() > 1 {
+            files.push((format!("{stem}.lce"), Listing, 0, Format::Svg));
+        }
+        files.push(("console.txt".to_owned(), Console, 0, Format::Svg));
+        files.extend(channels.iter().map(|&channel| (format!("{channel}.trace"), Trace, channel, Format::Svg)));
+        let drawings = [
+            (Events, Format::Json, "events.jsonl"),
+            (Timeline, Format::Svg, "timeline.svg"),
+            (Timeline, Format::Json, "timeline.json"),
+            (Toolpath, Format::Svg, "toolpath.svg"),
+            (Toolpath, Format::Json, "toolpath.json"),
+        ];
+        files.extend(drawings.map(|(what, format, name)| (name.to_owned(), what, 0, format)));
+        files.retain(|(_, what, ..)| (self.wanted)(*what));
+        files
+    }
+}
+
+/// The results being written.
+struct Writing<'a> {
+    client: &'a Client,
+    job: &'a str,
+    folder: &'a Path,
+    steps: Steps,
+    /// Files that the server refused, with its refusals.
+    failed: Vec<(String, Error)>,
+}
+
+impl Writing<'_> {
+    async fn result(&mut self, name: &str, what: ResultKind, channel: u32, form: results::Form) -> Result<(), Error> {
+        let path = self.folder.join(name);
+        self.steps.show(&path);
+        let written = results::file(self.client, self.job, what, channel, form, &path).await;
+        self.note(name, written)
+    }
+
+    /// Keeps a refusal for the end. Any other error would also concern the next file.
+    fn note(&mut self, name: &str, written: Result<(), Error>) -> Result<(), Error> {
+        match written {
+            Err(error @ Error::Refused(_)) => self.failed.push((self.folder.join(name).display().to_string(), error)),
+            other => return other,
         }
         Ok(())
     }

@@ -1,7 +1,6 @@
 //! Reads results: to memory, a file or standard output.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Component, Path};
 
 use counterpoint_client::{Document, Drawing};
@@ -9,6 +8,7 @@ use counterpoint_proto::v1;
 
 use crate::arguments::{Format, ResultKind};
 use crate::client::Client;
+use crate::draft::Draft;
 use crate::error::Error;
 
 /// Form of a result, as far as it has several.
@@ -92,9 +92,9 @@ pub(crate) async fn files(client: &Client, job: &str, folder: &Path) -> Result<(
         if let Some(parent) = place.parent() {
             std::fs::create_dir_all(parent).map_err(Error::file(parent))?;
         }
-        let mut file = std::fs::File::create(&place).map_err(Error::file(&place))?;
-        let mut put = |data: &[u8]| file.write_all(data).map_err(Error::file(&place));
-        drain(client, job, &Document::File(path), &mut put).await?;
+        let mut draft = Draft::new(&place)?;
+        drain(client, job, &Document::File(path), &mut |data| draft.write(data)).await?;
+        draft.finish()?;
     }
     Ok(())
 }
@@ -128,7 +128,7 @@ pub(crate) async fn file(
     if what == ResultKind::Files {
         return files(client, job, path).await;
     }
-    let mut file = std::fs::File::create(path).map_err(Error::file(path))?;
-    let mut put = |data: &[u8]| file.write_all(data).map_err(Error::file(path));
-    each(client, job, what, channel, form, &mut put).await
+    let mut draft = Draft::new(path)?;
+    each(client, job, what, channel, form, &mut |data| draft.write(data)).await?;
+    draft.finish()
 }

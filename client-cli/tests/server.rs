@@ -263,3 +263,37 @@ fn man_without_a_folder_prints_the_first_page() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && text.starts_with(".TH \"counterpoint\" \"1\""), "{text}");
 }
+
+/// The log is damaged, so results made from it cannot be read.
+#[test]
+fn a_result_that_cannot_be_read_leaves_no_file_and_the_others_are_tried() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let text = "O1\nG21 G90\n#1=0\nWHILE[#1LT3000]DO1\nG0 X#1\n#1=#1+1\nEND1\nM30\n";
+    let job = server.submit(&program(folder.path(), "long.nc", text));
+    server.call(&["wait", &job]);
+    let of_job = std::fs::read_dir(folder.path().join("data/jobs").join(&job)).unwrap();
+    for entry in of_job.map(Result::unwrap).filter(|entry| entry.file_name().to_string_lossy().starts_with("log")) {
+        std::fs::File::create(entry.path()).unwrap();
+    }
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    let listing = out.join("long.lce").display().to_string();
+    std::fs::write(&listing, "earlier").unwrap();
+    let (code, _, talk) = server.call(&["result", &job, "listing", "-o", &listing]);
+    assert!(code == 3 && talk.contains("DATA_LOSS"), "{code} {talk}");
+    assert_eq!(std::fs::read_to_string(&listing).unwrap(), "earlier");
+    std::fs::remove_file(&listing).unwrap();
+    let (code, _, talk) = server.call(&["result", &job, "all", "-o", &out.display().to_string()]);
+    assert!(code == 3 && talk.contains(&format!("'{listing}' is not written: ")), "{code} {talk}");
+    assert!(talk.contains("events.jsonl' is not written: "), "the other results are tried: {talk}");
+    let names: Vec<_> =
+        std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(names.iter().any(|name| name == "summary.json"), "{names:?}");
+    for absent in ["long.lce", "events.jsonl", "incomplete"] {
+        assert!(!names.iter().any(|name| name.contains(absent)), "{names:?}");
+    }
+    let absent = folder.path().join("nodir/x").display().to_string();
+    let (code, _, talk) = server.call(&["result", &job, "summary", "-o", &absent]);
+    assert!(code == 2 && talk.contains("nodir' does not exist"), "{code} {talk}");
+}
