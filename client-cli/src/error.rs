@@ -113,6 +113,13 @@ impl Error {
         }
     }
 
+    /// Whether the server refused this field of the request.
+    pub(crate) fn is_about(&self, field: &str) -> bool {
+        let Self::Refused(status) = self else { return false };
+        let details = status.get_error_details();
+        details.bad_request().is_some_and(|bad| bad.field_violations.iter().any(|violation| violation.field == field))
+    }
+
     /// The pause before a repetition, if the server will have room for the request when other jobs end.
     pub(crate) fn until_room(&self) -> Option<Duration> {
         const PASSING: [&str; 4] = ["QUEUE_FULL", "MEMORY_FULL", "TOO_MANY_UPLOADS", "RATE_LIMITED"];

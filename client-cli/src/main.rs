@@ -37,6 +37,7 @@ mod machines;
 mod macros;
 mod man;
 mod many;
+mod numbered;
 mod outcome;
 mod output_folder;
 mod own_machine;

@@ -14,6 +14,7 @@ use counterpoint_proto::v1;
 use crate::arguments::Inputs;
 use crate::encoding::Encoding;
 use crate::error::Error;
+use crate::numbered::{Computed, FEW, Numbered};
 use crate::standard_input;
 use crate::subprograms::{Mentionable, best_of_number, by_number, holds, is_taken_by_name, may_call};
 
@@ -69,6 +70,8 @@ impl Files {
 pub(crate) struct Pack {
     pub(crate) programs: Vec<v1::Program>,
     pub(crate) files: Files,
+    /// The block because of which all of many files beside a program were added.
+    pub(crate) computed: Option<Computed>,
 }
 
 /// A program whose folder may have files that it calls.
@@ -131,8 +134,9 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
             pack.files.add_in(file_name(with)?, with, inputs.files.encoding)?;
         }
     }
-    for program in folders {
-        neighbours(&mut pack.files, &program, inputs.files.encoding)?;
+    for program in folders.iter().filter(|_| !inputs.files.no_neighbours) {
+        let computed = neighbours(&mut pack.files, program, inputs.files.encoding)?;
+        pack.computed = pack.computed.or(computed);
     }
     Ok(pack)
 }
@@ -277,11 +281,12 @@ fn other_files_of_numbers(paths: &[PathBuf], program: &Beside, files: &Files) ->
 }
 
 /// Adds the files beside a program that it may call: those known by their names, and those that the program or an added
-/// file mentions.
-fn neighbours(files: &mut Files, program: &Beside, encoding: Option<Encoding>) -> Result<(), Error> {
+/// file mentions. Of many files named by program numbers only those that may be called are added; the result is the
+/// block that computes the number of a call, if there is one.
+fn neighbours(files: &mut Files, program: &Beside, encoding: Option<Encoding>) -> Result<Option<Computed>, Error> {
     let mut paths = BTreeMap::new();
     let mut mentionable = Mentionable::default();
-    let mut unread = vec![program.name.clone()];
+    let (mut unread, mut taken) = (vec![program.name.clone()], Vec::new());
     let listed = files_of(&program.folder)?;
     let left_out = other_files_of_numbers(&listed, program, files)?;
     for path in listed {
@@ -293,23 +298,34 @@ fn neighbours(files: &mut Files, program: &Beside, encoding: Option<Encoding>) -
             continue;
         }
         if is_taken_by_name(&name, &program.stem) {
-            files.add_in(name.clone(), &path, encoding)?;
-            unread.push(name);
+            taken.push(name.clone());
         } else {
             mentionable.add(&name);
-            paths.insert(name, path);
         }
+        paths.insert(name, path);
     }
-    while let Some(name) = unread.pop() {
-        let mentioned = files.0.get(&name).map(|blob| mentionable.take_mentioned(blob.content())).unwrap_or_default();
-        for name in mentioned {
+    let of_numbers = by_number(taken.iter().cloned());
+    let mut numbered = Numbered::default();
+    if of_numbers.len() > FEW {
+        taken.retain(|name| !of_numbers.values().flatten().any(|numbered| numbered == name));
+        numbered = Numbered::new(of_numbers);
+        taken.extend(numbered.take_of_codes());
+        // Files given by the user may call others, too.
+        unread.extend(files.0.keys().filter(|name| **name != program.name).cloned());
+    }
+    loop {
+        for name in taken.drain(..) {
             if let Some(path) = paths.remove(&name) {
                 files.add_in(name.clone(), &path, encoding)?;
                 unread.push(name);
             }
         }
+        let Some(name) = unread.pop() else { return Ok(numbered.computed) };
+        if let Some(blob) = files.0.get(&name) {
+            taken.extend(mentionable.take_mentioned(blob.content()));
+            taken.extend(numbered.take_called(&name, blob.content()));
+        }
     }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -343,6 +359,36 @@ mod tests {
         {
             assert!(is_program(path, content).is_ok(), "{content:?}");
         }
+    }
+
+    /// A folder with 1,200 programs; `main.nc` has this text.
+    fn crowded(text: &str) -> (tempfile::TempDir, Inputs) {
+        let folder = tempfile::tempdir().unwrap();
+        for number in 1..=1200 {
+            let text = if number == 100 { "O0100\nM98 P0200\nM99" } else { "M99" };
+            fs::write(folder.path().join(format!("O{number:04}.nc")), text).unwrap();
+        }
+        fs::write(folder.path().join("O9010.nc"), "O9010\nM98 P0300\nM99").unwrap();
+        fs::write(folder.path().join("main.nc"), text).unwrap();
+        let inputs = Inputs::plain(&[folder.path().join("main.nc").display().to_string()]);
+        (folder, inputs)
+    }
+
+    #[test]
+    fn of_many_numbered_files_those_that_may_be_called_are_taken() {
+        let (_folder, mut inputs) = crowded("N500 G0\nM98 P0100\nM30\n");
+        let pack = job(&inputs).unwrap();
+        let names: Vec<_> = pack.files.0.keys().map(String::as_str).collect();
+        let called = ["O0030.nc", "O0098.nc", "O0099.nc", "O0100.nc", "O0200.nc", "O0300.nc", "O9010.nc", "main.nc"];
+        assert!(names.iter().all(|name| called.contains(name) || *name == "O0000.nc"), "{names:?}");
+        assert!(called[3..].iter().all(|name| names.contains(name)), "{names:?}");
+        assert_eq!(pack.computed, None);
+        inputs.files.no_neighbours = true;
+        assert_eq!(job(&inputs).unwrap().files.0.len(), 1);
+        let (_folder, inputs) = crowded("#1=100\nM98 P#1\nM30\n");
+        let pack = job(&inputs).unwrap();
+        let computed = Computed { file: "main.nc".to_owned(), line: 2, files: 1201 };
+        assert_eq!((pack.files.0.len(), pack.computed), (1202, Some(computed)));
     }
 
     #[test]

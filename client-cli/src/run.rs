@@ -14,6 +14,7 @@ use crate::client::{Asked, Client, Submitted};
 use crate::codes::{self, Stage};
 use crate::error::Error;
 use crate::json_summary::with_remedies;
+use crate::numbered::Computed;
 use crate::outcome::{exit_code, not_run};
 use crate::output_folder::{OutputFolder, drawn_timeline};
 use crate::problems::say_errors;
@@ -273,6 +274,7 @@ pub(crate) async fn submit_pack(
     Submission { request, attended, lint, no_cache }: Submission,
 ) -> Result<Submitted, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
+    let (count, computed) = (pack.files.0.len(), pack.computed);
     client.upload(&pack.files.blobs()).await?;
     let file = |(path, blob): (String, Blob)| v1::FileRef { path, digest: blob.digest().to_owned() };
     let request = v1::SubmitJobRequest {
@@ -306,7 +308,17 @@ pub(crate) async fn submit_pack(
         }),
         ..request
     };
-    client.submit(request).await
+    client.submit(request).await.map_err(|error| too_many(error, count, computed))
+}
+
+/// Adds the reason of the number of files to the refusal of a server that does not accept so many.
+fn too_many(error: Error, count: usize, computed: Option<Computed>) -> Error {
+    let (true, Some(Computed { file, line, files })) = (error.is_about("files"), computed) else { return error };
+    Error::Usage(format!(
+        "the job has {count} files, more than the server accepts: {files} of them, named O and digits, were added \
+         because line {line} of '{file}' computes the number of the program that it calls; name the files that it \
+         calls with --with, and add --no-neighbours"
+    ))
 }
 
 /// Follows a job to its end; the first interrupt cancels the job, the second ends the command. One that is stepped
