@@ -14,16 +14,16 @@ use crate::{findings, known, machine_diff, machine_folder, machine_view, own_mac
 
 pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
     match command {
-        Machine::Check { machine, json, at } => check(&machine, json, at.server.as_deref()).await,
+        Machine::Check { machine, json, at } => check(&machine, json, at.address()).await,
         Machine::New { folder, from } => own_machine::create(&folder, &from),
-        Machine::List { json, at } => list(json, at.server.as_deref()).await,
+        Machine::List { json, at } => list(json, at.address()).await,
         Machine::Delete { machine, remote } => delete(machine, &remote.server).await,
         Machine::Show { machine, part, rows: Rows { changed: true, sort, filter }, json, .. } => {
             machine_diff::changed(&machine, part, &View { sort, filter }, json)
         }
         Machine::Show { machine, part, rows, json, at } => {
             let view = View { sort: rows.sort, filter: rows.filter };
-            show(&machine, part, &view, json, at.server.as_deref()).await
+            show(&machine, part, &view, json, at.address()).await
         }
         Machine::Diff { a, b, json } => machine_diff::diff(&a, &b, json),
         Machine::Edit { machine, lines, all, json } => tape_trial::edit(&machine, &lines, all, json),

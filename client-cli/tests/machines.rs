@@ -383,3 +383,20 @@ fn explanations_say_what_a_reader_needs() {
     let out = text(&["P"], "fanuc-mill");
     assert!(out.contains("P of G8 is 0 or 1") && out.contains("no decimal point"), "{out}");
 }
+
+#[test]
+fn an_empty_address_in_the_environment_counts_as_absent() {
+    let call = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
+        let output = command.args(arguments).env("COUNTERPOINT_SERVER", "").output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, text) = call(&["machine", "list"]);
+    assert_eq!(code, Some(0), "{text}");
+    let (code, text) = call(&["status", "01938f2c-5d1e"]);
+    // No server listens there, or one that does not know the job.
+    assert!(code == Some(3) && text.contains("http://127.0.0.1:7878") || code == Some(2), "{text}");
+    assert!(!text.contains("COUNTERPOINT_SERVER=") && !text.contains("invalid"), "{text}");
+    let (code, text) = call(&["status", "01938f2c-5d1e", "--server", "http://127.0.0.1:1"]);
+    assert!(code == Some(3) && text.contains("http://127.0.0.1:1"), "{text}");
+}

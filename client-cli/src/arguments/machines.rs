@@ -125,6 +125,13 @@ pub(crate) struct At {
     pub(crate) server: Option<String>,
 }
 
+impl At {
+    /// The address of the server; an empty variable counts as absent.
+    pub(crate) fn address(&self) -> Option<&str> {
+        self.server.as_deref().filter(|address| !address.is_empty())
+    }
+}
+
 /// Parts of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Part {
