@@ -251,6 +251,9 @@ pub(crate) struct Submit {
     /// line, in the order of the programs. With --request-id ID the request ids are ID-1, ID-2 and so on in this order
     #[arg(long)]
     pub(crate) each: bool,
+    /// With --each, report a program as not submitted if the server has no room for it, instead of waiting
+    #[arg(long, requires = "each")]
+    pub(crate) no_wait: bool,
     /// Run the job even if the server keeps the results of an equal one
     #[arg(long)]
     pub(crate) no_cache: bool,

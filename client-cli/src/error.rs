@@ -11,6 +11,9 @@ use tonic_types::StatusExt as _;
 /// Environment variable with the token of the caller.
 const TOKEN: &str = "COUNTERPOINT_TOKEN";
 
+/// The quota of the waiting jobs of a tenant, which passes when one of them starts.
+const WAITING_JOBS: &str = "tenant_queued";
+
 /// A failed command.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
@@ -123,9 +126,15 @@ impl Error {
     /// The pause before a repetition, if the server will have room for the request when other jobs end.
     pub(crate) fn until_room(&self) -> Option<Duration> {
         const PASSING: [&str; 4] = ["QUEUE_FULL", "MEMORY_FULL", "TOO_MANY_UPLOADS", "RATE_LIMITED"];
+        /// The pause if the server names none.
+        const PAUSE: Duration = Duration::from_secs(1);
         let Self::Refused(status) = self else { return None };
-        let passing = self.reason().is_some_and(|reason| PASSING.contains(&reason.as_str()));
-        status.get_error_details().retry_info().and_then(|info| info.retry_delay).filter(|_| passing)
+        let details = status.get_error_details();
+        let info = details.error_info()?;
+        let waiting = || info.metadata.get("quota").is_some_and(|quota| quota == WAITING_JOBS);
+        let passing = PASSING.contains(&info.reason.as_str()) || info.reason == "QUOTA_EXCEEDED" && waiting();
+        let pause = details.retry_info().and_then(|info| info.retry_delay);
+        passing.then(|| pause.unwrap_or(PAUSE))
     }
 
     /// Adds the job whose end a lost connection leaves unknown.

@@ -154,7 +154,7 @@ async fn submit_next(
             Err(error) => error,
             done => return done,
         };
-        let Some(pause) = error.until_room() else { return Err(error) };
+        let Some(pause) = error.until_room().filter(|_| !arguments.no_wait) else { return Err(error) };
         if !waits {
             say::status_line(styled(DIM, format!("{program} waits: {error}")));
             waits = true;
@@ -173,6 +173,15 @@ fn submission(arguments: &Submit, request: v1::SubmitJobRequest) -> Submission {
 /// Submits each program as a job. A program that cannot be submitted is reported, and the others are submitted; the exit
 /// code is the highest. Without a connection nothing else can be submitted.
 async fn submit_each(mut arguments: Submit) -> Result<u8, Error> {
+    let (mut submitted, all) = (0, arguments.inputs.programs.len());
+    let done = submit_all(&mut arguments, &mut submitted).await;
+    if submitted < all {
+        say::status_line(format!("{submitted} of {all} submitted"));
+    }
+    done
+}
+
+async fn submit_all(arguments: &mut Submit, count: &mut usize) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let id = jobs::request(&arguments.request).request_id;
     let mut code = 0;
@@ -181,7 +190,9 @@ async fn submit_each(mut arguments: Submit) -> Result<u8, Error> {
         let request =
             v1::SubmitJobRequest { request_id: format!("{id}-{number}"), ..jobs::request(&arguments.request) };
         arguments.inputs.programs = vec![program.clone()];
-        match submit_next(&client, &arguments, request, &program).await {
+        let done = submit_next(&client, arguments, request, &program).await;
+        *count += usize::from(done.is_ok());
+        match done {
             Ok(Submitted { job, duplicate }) if arguments.json => {
                 jobs::say_duplicate(duplicate);
                 let mut line = serde_json::json!({ "job": job, "program": program });

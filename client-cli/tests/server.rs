@@ -6,7 +6,7 @@ use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use counterpoint_server::options::Options;
+use counterpoint_server::options::{Options, Quotas};
 use counterpoint_server::service;
 use serde_json::Value;
 
@@ -127,6 +127,38 @@ fn programs_wait_for_a_place_in_the_queue() {
     child.stdout.take().unwrap().read_to_string(&mut ids).unwrap();
     assert!(child.wait().unwrap().success());
     assert_eq!(ids.lines().count(), 2, "{ids}");
+}
+
+/// The quota of waiting jobs passes like a full queue, unless the user does not wait.
+#[test]
+fn programs_wait_for_the_quota_of_waiting_jobs() {
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_queued: 1, ..Quotas::default() };
+    let server = Server::start(folder.path(), Options { workers: 1, quotas, ..Options::default() });
+    let endless = program(folder.path(), "endless.nc", ENDLESS);
+    let mut endless_jobs = Vec::new();
+    loop {
+        let (code, job, talk) = server.call(&["submit", "--machine", "fanuc-mill", &endless]);
+        if code != 0 {
+            assert!(talk.contains("QUOTA_EXCEEDED"), "{talk}");
+            break;
+        }
+        endless_jobs.push(job);
+    }
+    let names = ["one.nc", "two.nc"].map(|name| program(folder.path(), name, CLEAN));
+    let each = ["submit", "--each", "--machine", "fanuc-mill", &names[0], &names[1]];
+    let (code, _, talk) = server.call(&[&each[..], &["--no-wait"]].concat());
+    assert!(code == 3 && talk.ends_with("0 of 2 submitted\n"), "{code} {talk}");
+    let mut child = server.command(&each).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut talk = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    talk.read_line(&mut line).unwrap();
+    assert!(line.contains(&names[0]) && line.contains("waits") && line.contains("QUOTA_EXCEEDED"), "{line}");
+    endless_jobs.iter().for_each(|job| assert_eq!(server.call(&["cancel", job]).0, 0));
+    assert!(child.wait().unwrap().success());
+    line.clear();
+    talk.read_to_string(&mut line).unwrap();
+    assert!(!line.contains("of 2 submitted"), "{line}");
 }
 
 #[test]
