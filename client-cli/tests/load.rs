@@ -89,3 +89,21 @@ fn only_this_machine_gets_load_unless_another_is_asked_for() {
     let output = load(&["--mix", STANDARD, "--server", "http://127.0.0.1:1"]);
     assert_eq!(output.status.code(), Some(2), "a pace is needed");
 }
+
+#[test]
+fn a_refusal_that_cannot_heal_ends_the_load() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_runtime, url) = server(folder.path(), 100);
+    let mix = folder.path().join("mix.toml");
+    let made = "{ name = \"a.nc\", head = \"O1\\n\", lines = \"G4 P1\\n\", times = 2, foot = \"M30\\n\" }";
+    std::fs::write(&mix, format!("[[job]]\nname = \"one\"\nmachine = \"no-such-machine\"\nmade = [{made}]\n")).unwrap();
+    let begin = std::time::Instant::now();
+    for pace in [["--callers", "2"], ["--rate", "5"]] {
+        let to = ["--mix", mix.to_str().unwrap(), "--server", &url, "--for", "5m", "--quiet"];
+        let output = load(&[&to[..], &pace].concat());
+        let talk = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{talk}");
+        assert!(talk.contains("no-such-machine") && talk.contains("UNKNOWN_MACHINE"), "{talk}");
+    }
+    assert!(begin.elapsed().as_secs() < 60);
+}

@@ -20,7 +20,7 @@ pub(crate) struct Load {
     #[arg(long, value_name = "N", group = "pace", value_parser = count)]
     pub(crate) callers: Option<usize>,
     /// Measure for this time (60s, 5m)
-    #[arg(long = "for", value_name = "TIME", default_value = "60s", value_parser = time)]
+    #[arg(long = "for", value_name = "TIME", default_value = "60s", value_parser = some_time)]
     pub(crate) time: Duration,
     /// Submit for this time before measuring
     #[arg(long, value_name = "TIME", default_value = "5s", value_parser = time)]
@@ -138,6 +138,11 @@ fn time(text: &str) -> Result<Duration, String> {
     Duration::try_from_secs_f64(number * seconds).ok().filter(|time| time.as_secs() < 1 << 30).ok_or_else(expected)
 }
 
+/// A time above zero.
+fn some_time(text: &str) -> Result<Duration, String> {
+    time(text).and_then(|time| if time.is_zero() { Err("expected a time above 0".to_owned()) } else { Ok(time) })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -147,8 +152,10 @@ mod tests {
         for (text, expected) in [("500us", 500), ("30ms", 30_000), ("1.5s", 1_500_000), ("2m", 120_000_000)] {
             assert_eq!(time(text).unwrap(), Duration::from_micros(expected), "{text}");
         }
+        assert!(some_time("0s").is_err() && some_time("1s").is_ok() && time("0s").is_ok());
         for wrong in ["", "5", "s", "-1s", "1e3s", "5 s", "1..s", "9999999999h"] {
             assert!(time(wrong).is_err(), "{wrong}");
+            assert!(some_time(wrong).is_err(), "{wrong}");
         }
     }
 }

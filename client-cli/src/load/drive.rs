@@ -50,6 +50,8 @@ pub(super) struct Load {
     pub(super) patience: Duration,
     pub(super) delete: bool,
     pub(super) measured: Arc<Mutex<Measured>>,
+    /// Receives the first refusal that repetitions cannot change.
+    pub(super) refused: Arc<watch::Sender<Option<Error>>>,
 }
 
 /// The jobs that are still to come.
@@ -72,13 +74,18 @@ impl Source {
 
 /// Runs a load to its end.
 pub(super) async fn drive(load: Load) {
-    let Load { mix, pace, clients, until, jobs, patience, delete, measured } = load;
+    let Load { mix, pace, clients, until, jobs, patience, delete, measured, refused } = load;
     let mut source = Source { mix, left: jobs.unwrap_or(u64::MAX), until };
     let mut running = JoinSet::new();
     // Turned on when patience is at its end.
     let over = watch::Sender::new(false);
-    let of =
-        |client: &Client| Caller { client: client.clone(), delete, measured: measured.clone(), over: over.subscribe() };
+    let of = |client: &Client| Caller {
+        client: client.clone(),
+        delete,
+        measured: measured.clone(),
+        over: over.subscribe(),
+        refused: refused.clone(),
+    };
     match pace {
         Pace::Callers(callers) => {
             let source = Arc::new(Mutex::new(source));
@@ -136,6 +143,7 @@ struct Caller {
     delete: bool,
     measured: Arc<Mutex<Measured>>,
     over: watch::Receiver<bool>,
+    refused: Arc<watch::Sender<Option<Error>>>,
 }
 
 impl Caller {
@@ -156,7 +164,7 @@ impl Caller {
     async fn follow(&self, job: &Job, due: Instant) -> Result<(), String> {
         let request = v1::SubmitJobRequest { request_id: request_id(), ..job.request.clone() };
         // Not repeated: refusals by the server are to be counted.
-        let answer = self.client.jobs().submit_job(request).await.map_err(|status| reason(&status.into()))?;
+        let answer = self.client.jobs().submit_job(request).await.map_err(|status| self.refusal(status.into()))?;
         let id = answer.into_inner().status.unwrap_or_default().job_id;
         {
             let mut measured = lock(&self.measured);
@@ -195,6 +203,34 @@ impl Caller {
             state => Err(format!("JOB_{}", state.as_str_name().trim_start_matches("JOB_STATE_"))),
         }
     }
+}
+
+impl Caller {
+    /// The reason of a refused submit; ends the load if every further job would be refused, too.
+    fn refusal(&self, error: Error) -> String {
+        let reason = reason(&error);
+        if is_lasting(&error) {
+            self.refused.send_if_modified(|first| {
+                let is_first = first.is_none();
+                first.get_or_insert(error);
+                is_first
+            });
+        }
+        reason
+    }
+}
+
+/// Whether the same submit is refused again, whatever happens to other jobs.
+fn is_lasting(error: &Error) -> bool {
+    use tonic::Code;
+    const LASTING: [Code; 5] = [
+        Code::InvalidArgument,
+        Code::NotFound,
+        Code::Unauthenticated,
+        Code::PermissionDenied,
+        Code::FailedPrecondition,
+    ];
+    matches!(error, Error::Refused(status) if LASTING.contains(&status.code()))
 }
 
 /// Why something failed, as one of few words.

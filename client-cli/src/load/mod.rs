@@ -22,6 +22,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use counterpoint_client::{Client, Settings};
+use tokio::sync::watch;
 use tokio::time::{Instant, MissedTickBehavior, interval_at};
 
 use crate::error::Error;
@@ -67,7 +68,7 @@ pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
         client.upload(&mix.blobs()).await?;
     }
     let process = if at.ip().is_loopback() { Process::find(arguments.server_pid, at.port()) } else { None };
-    let report = run(&arguments, mix, pace, clients, process).await;
+    let report = run(&arguments, mix, pace, clients, process).await?;
     say::data(report.text().as_bytes())?;
     for (path, text) in [(&arguments.output.json, report.json()), (&arguments.output.html, page::page(&report))] {
         if let Some(path) = path {
@@ -83,13 +84,22 @@ pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
     Ok(code)
 }
 
-/// The load itself: warm-up, measured time, and the ends of the jobs in progress.
-async fn run(arguments: &Load, mix: Mix, pace: Pace, clients: Vec<Client>, mut process: Option<Process>) -> Report {
+/// The load itself: warm-up, measured time, and the ends of the jobs in progress. It ends at the first refusal that
+/// repetitions cannot change.
+async fn run(
+    arguments: &Load,
+    mix: Mix,
+    pace: Pace,
+    clients: Vec<Client>,
+    mut process: Option<Process>,
+) -> Result<Report, Error> {
     let start = Instant::now();
     let window = (start + arguments.warm_up, start + arguments.warm_up + arguments.time);
     let measured = Arc::new(Mutex::new(Measured::new(window)));
     let mut live = Live::new(arguments.output.quiet);
     let until = window.1;
+    let refused = Arc::new(watch::Sender::new(None));
+    let mut refusal = refused.subscribe();
     let mut driven = std::pin::pin!(drive::drive(drive::Load {
         mix,
         pace,
@@ -99,6 +109,7 @@ async fn run(arguments: &Load, mix: Mix, pace: Pace, clients: Vec<Client>, mut p
         patience: arguments.patience,
         delete: arguments.delete,
         measured: measured.clone(),
+        refused: refused.clone(),
     }));
     let mut seconds = interval_at(start + Duration::from_secs(1), Duration::from_secs(1));
     seconds.set_missed_tick_behavior(MissedTickBehavior::Delay);
@@ -111,14 +122,19 @@ async fn run(arguments: &Load, mix: Mix, pace: Pace, clients: Vec<Client>, mut p
                 measured.tick(now, sample);
                 live.show(&measured, now);
             }
+            _ = refusal.wait_for(Option::is_some) => break,
             _ = tokio::signal::ctrl_c() => break,
         }
     }
     live.clear();
+    if let Some(error) = refused.send_replace(None) {
+        say::status_line("the load was stopped: the server refuses a job of the mix, and would refuse it again");
+        return Err(error.into());
+    }
     let measured = lock(&measured);
     let growth = growth::growth(&measured.seconds);
     let thresholds = thresholds(&arguments.thresholds, &measured, &growth);
-    Report::new(name(&arguments.mix), &arguments.remote.server, pace, &measured, (thresholds, growth))
+    Ok(Report::new(name(&arguments.mix), &arguments.remote.server, pace, &measured, (thresholds, growth)))
 }
 
 fn name(path: &Path) -> String {
