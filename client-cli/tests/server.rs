@@ -189,6 +189,22 @@ fn a_deadline_in_the_past_is_refused_unless_the_request_is_a_repetition() {
     }
 }
 
+/// docs/cli.md: with a request id the command can be repeated safely.
+#[test]
+fn a_request_with_a_relative_deadline_can_be_repeated() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let clean = program(folder.path(), "clean.nc", CLEAN);
+    let earlier = server.submit(&clean);
+    for command in [&["submit", "--machine", "fanuc-mill", &clean][..], &["rerun", &earlier]] {
+        let command = [command, &["--deadline", "30m", "--request-id", command[0]]].concat();
+        let (code, job, talk) = server.call(&command);
+        assert_eq!(code, 0, "{talk}");
+        let (code, again, talk) = server.call(&command);
+        assert_eq!((code, again), (0, job), "{talk}");
+    }
+}
+
 #[test]
 fn a_folder_that_hides_a_machine_of_the_server_is_named() {
     let folder = tempfile::tempdir().unwrap();

@@ -82,7 +82,8 @@ pub(super) async fn memory(core: &Arc<Core>, tenant: &str, request_id: &str, byt
 pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobRequest) -> Result<Box<NewJob>, Refusal> {
     let work = core.work(&earlier.id)?;
     let request_id = std::mem::take(&mut request.request_id);
-    let content = format!("{CONTENT}{}", digest(&request.encode_to_vec()));
+    let sent = v1::RerunJobRequest { deadline_ms: 0, ..request.clone() };
+    let content = format!("{CONTENT}{}", digest(&sent.encode_to_vec()));
     // An early row has the limits that counted then instead of those that were requested.
     let early = || Some(work.options.limits.clone()).filter(|_| !earlier.content.starts_with(CONTENT));
     let asked = Asked {
@@ -324,10 +325,11 @@ pub(super) fn unknown_machine(core: &Core, tenant: &str, name: &str) -> Result<R
     Ok(Refusal::UnknownMachine { name: name.to_owned(), near: near.into_iter().map(str::to_owned).collect() })
 }
 
-/// Digest of a client's request, without the request id. It covers nothing of the server, and a field unknown to the
-/// client counts as empty: the same request has the same digest for every version.
+/// Digest of a client's request, without the request id and the deadline: a deadline that a client computes from a time
+/// span differs when the request is repeated. It covers nothing of the server, and a field unknown to the client counts
+/// as empty: the same request has the same digest for every version.
 fn content_of(request: &v1::SubmitJobRequest) -> String {
-    let mut sent = v1::SubmitJobRequest { request_id: String::new(), ..request.clone() };
+    let mut sent = v1::SubmitJobRequest { request_id: String::new(), deadline_ms: 0, ..request.clone() };
     sent.files.sort_by(|a, b| a.path.cmp(&b.path));
     if sent.priority == v1::JobPriority::Normal as i32 {
         sent.priority = 0;
@@ -367,6 +369,7 @@ mod tests {
             v1::SubmitJobRequest { request_id: "s".into(), ..request.clone() },
             v1::SubmitJobRequest { files: vec![file("b"), file("a")], ..request.clone() },
             v1::SubmitJobRequest { priority: v1::JobPriority::Normal.into(), ..request.clone() },
+            v1::SubmitJobRequest { deadline_ms: 1, ..request.clone() },
             v1::SubmitJobRequest {
                 options: Some(v1::JobOptions { limits: Some(v1::JobLimits::default()), ..Default::default() }),
                 ..request.clone()
@@ -379,7 +382,6 @@ mod tests {
         let different = [
             v1::SubmitJobRequest { labels: [("k".to_owned(), "v".to_owned())].into(), ..request.clone() },
             v1::SubmitJobRequest { priority: v1::JobPriority::High.into(), ..request.clone() },
-            v1::SubmitJobRequest { deadline_ms: 1, ..request.clone() },
             // A default may change: asking for it is not the same as leaving it to the server.
             v1::SubmitJobRequest {
                 options: Some(v1::JobOptions { limits: Some(blocks), ..Default::default() }),
