@@ -1,6 +1,7 @@
 //! Arguments for submitting and selecting jobs.
 
 use clap::{ArgGroup, Args, ValueEnum};
+use counterpoint_server::utc::from_iso;
 
 use crate::remote::Remote;
 
@@ -16,7 +17,8 @@ pub(crate) struct RequestArgs {
     /// Set the priority of the job among your own jobs
     #[arg(long, value_enum)]
     pub(crate) priority: Option<Priority>,
-    /// Stop the job if it has not ended by then: a time from now (90s, 30m, 2h) or @ and seconds since 1970
+    /// Stop the job if it has not ended by then: a time from now (90s, 30m, 2h), a date
+    /// (2026-11-29T12:30:00Z) or @ and seconds since 1970
     #[arg(long, value_name = "TIME", value_parser = span_or_time)]
     pub(crate) deadline: Option<When>,
 }
@@ -50,13 +52,20 @@ fn label(text: &str) -> Result<(String, String), String> {
 }
 
 fn span_or_time(text: &str) -> Result<When, String> {
-    let wrong = || "expected a number with s, m, h or d (90s, 30m, 2h), or @ and seconds since 1970".to_owned();
+    let wrong = || {
+        "expected a number with s, m, h or d (90s, 30m, 2h), a date (2026-11-29 or 2026-11-29T12:30:00Z, UTC), or @ \
+         and seconds since 1970"
+            .to_owned()
+    };
     let number = |digits: &str, unit: i64| {
         let value: i64 = digits.parse().map_err(|_| wrong())?;
         value.checked_mul(unit).filter(|ms| *ms > 0).ok_or_else(wrong)
     };
     if let Some(seconds) = text.strip_prefix('@') {
         return number(seconds, 1000).map(When::At);
+    }
+    if text.contains('-') {
+        return from_iso(text).filter(|ms| *ms > 0).map(When::At).ok_or_else(wrong);
     }
     let units = [('s', 1000), ('m', 60_000), ('h', 3_600_000), ('d', 86_400_000)];
     let found = units.iter().find_map(|(unit, ms)| Some((text.strip_suffix(*unit)?, *ms)));
@@ -89,7 +98,8 @@ pub(crate) struct JobFilter {
     /// Select only jobs with this label; NAME alone is the label `name`; can be repeated
     #[arg(long = "label", value_name = "NAME|KEY=VALUE", value_parser = label)]
     pub(crate) labels: Vec<(String, String)>,
-    /// Select only jobs accepted since then: a time before now (90s, 30m, 2h, 7d) or @ and seconds since 1970
+    /// Select only jobs accepted since then: a time before now (90s, 30m, 2h, 7d), a date
+    /// (2026-11-29) or @ and seconds since 1970
     #[arg(long, value_name = "TIME", value_parser = span_or_time)]
     pub(crate) since: Option<When>,
 }
@@ -229,6 +239,17 @@ mod tests {
         assert_eq!(span_or_time("90s"), Ok(When::Span(90_000)));
         assert_eq!(span_or_time("2h"), Ok(When::Span(7_200_000)));
         assert_eq!(span_or_time("@1798761600"), Ok(When::At(1_798_761_600_000)));
+        for (text, seconds) in [
+            ("2027-01-01", 1_798_761_600),
+            ("2027-01-01T00:00:30Z", 1_798_761_630),
+            ("2027-01-01 00:01", 1_798_761_660),
+            ("2027-01-01T01:00:00+01:00", 1_798_761_600),
+        ] {
+            assert_eq!(span_or_time(text), Ok(When::At(seconds * 1000)), "{text}");
+        }
+        for wrong in ["2027-13-01", "2027-01-01T", "2027-1-1", "2027-01-01T25:00", "1969-01-01"] {
+            assert!(span_or_time(wrong).is_err(), "{wrong}");
+        }
         for wrong in ["", "s", "5", "5w", "-5m", "0s", "@", "@x", "99999999999999999d", "µs"] {
             assert!(span_or_time(wrong).is_err(), "{wrong}");
         }
