@@ -2,6 +2,8 @@
 //!
 //! *Invariant:* an embedded server leaves nothing behind: its data folder is temporary and removed with the client.
 
+use std::time::Duration;
+
 use counterpoint_client::{Blob, Chunks, Document, Settings, Through, Watch, WatchJobs};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::admin_client::AdminClient;
@@ -12,6 +14,7 @@ use counterpoint_server::options::{Embedded, Guard, Options, System};
 use counterpoint_server::service;
 
 use crate::error::Error;
+use crate::say;
 
 /// Ten years, s.
 const LONG: u64 = 315_360_000;
@@ -41,11 +44,28 @@ pub(crate) struct Submitted {
     pub(crate) duplicate: bool,
 }
 
+/// Reports that the calls of this client are tried again.
+fn say_again(error: &counterpoint_client::Error, patience: Duration) {
+    let why = match error.reason().as_deref() {
+        Some("DRAINING") => "the server is shutting down".to_owned(),
+        _ => error.to_string(),
+    };
+    say::status_line(format!("{why}; trying again for {} s", patience.as_secs()));
+}
+
 impl Client {
     /// Connects to a server, with token and certificates from the environment: on a command line every user of the
     /// machine could read them.
     pub(crate) async fn connect(address: &str) -> Result<Self, Error> {
-        let settings = Settings::from_environment(address)?;
+        Self::connect_as(address, false).await
+    }
+
+    /// Connects to a server. Unless `quiet`, a line of status reports that calls are tried again.
+    pub(crate) async fn connect_as(address: &str, quiet: bool) -> Result<Self, Error> {
+        let mut settings = Settings::from_environment(address)?;
+        if !quiet {
+            settings = settings.with_notice(say_again);
+        }
         let server = counterpoint_client::Client::connect(&settings).await?;
         Ok(Self { server, own: None, _data: None })
     }

@@ -62,7 +62,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
 
 /// A client of the server of a job, and the whole id of the job.
 async fn connected(arguments: &JobArgs) -> Result<(Client, String), Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
+    let client = Client::connect_as(&arguments.remote.server, arguments.quiet).await?;
     let job = job_names::whole(&client, &arguments.job).await?;
     Ok((client, job))
 }
@@ -119,7 +119,7 @@ async fn step(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 
 /// Waits for jobs, one after another; returns the highest exit code.
 async fn wait(arguments: Wait) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
+    let client = Client::connect_as(&arguments.remote.server, arguments.quiet).await?;
     let Wait { quiet, strict, json, .. } = arguments;
     let mut code = 0;
     for job in &jobs::awaited(&client, &arguments).await? {

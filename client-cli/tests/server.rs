@@ -5,6 +5,7 @@
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use counterpoint_server::options::{Options, Quotas};
 use counterpoint_server::service;
@@ -12,7 +13,7 @@ use serde_json::Value;
 
 /// A server in this process until the test ends.
 struct Server {
-    _runtime: tokio::runtime::Runtime,
+    runtime: tokio::runtime::Runtime,
     url: String,
 }
 
@@ -23,7 +24,7 @@ impl Server {
         let service = runtime.block_on(service::build(options)).unwrap();
         let url = service.handle().url();
         runtime.spawn(service.run(std::future::pending()));
-        Self { _runtime: runtime, url }
+        Self { runtime, url }
     }
 
     fn command(&self, arguments: &[&str]) -> Command {
@@ -344,4 +345,51 @@ fn a_result_that_cannot_be_read_leaves_no_file_and_the_others_are_tried() {
     let absent = folder.path().join("nodir/x").display().to_string();
     let (code, _, talk) = server.call(&["result", &job, "summary", "-o", &absent]);
     assert!(code == 2 && talk.contains("nodir' does not exist"), "{code} {talk}");
+}
+
+#[test]
+fn a_command_that_lost_its_server_reports_that_it_tries_again() {
+    for (command, quiet) in [("watch", false), ("wait", false), ("wait", true)] {
+        let folder = tempfile::tempdir().unwrap();
+        let server = Server::start(folder.path(), Options::default());
+        let job = server.submit(&program(folder.path(), "endless.nc", ENDLESS));
+        let mut command = server.command(&[command, &job]);
+        command.args(quiet.then_some("--quiet"));
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(500));
+        let Server { runtime, .. } = server;
+        runtime.shutdown_background();
+        std::thread::sleep(Duration::from_secs(3));
+        child.kill().unwrap();
+        let mut talk = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut talk).unwrap();
+        child.wait().unwrap();
+        let lines = talk.lines().filter(|line| line.ends_with("; trying again for 60 s")).count();
+        assert_eq!(lines, usize::from(!quiet), "{talk}");
+    }
+}
+
+#[test]
+fn the_report_of_a_job_without_a_run_gives_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let clean = program(folder.path(), "clean.nc", CLEAN);
+    let late = ["--deadline", "@1000", "--request-id", "late", "--no-cache"];
+    let (code, job, talk) = server.call(&[&["submit", "--machine", "fanuc-mill", &clean][..], &late].concat());
+    assert_eq!(code, 0, "{talk}");
+    server.call(&["wait", &job]);
+    let (code, _, talk) = server.call(&["result", &job, "report"]);
+    assert!(code == 2 && talk.contains("NO_RESULTS"), "{code} {talk}");
+    assert!(talk.contains("its deadline, 1970-01-01 00:16:40 UTC: submit it again with a later deadline"), "{talk}");
+}
+
+#[test]
+fn a_file_that_is_too_large_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let maxima = Maxima { max_blob_bytes: 1000, ..Maxima::default() };
+    let server = Server::start(folder.path(), Options { maxima, ..Options::default() });
+    let large = program(folder.path(), "large.nc", &CLEAN.repeat(100));
+    let (code, _, talk) = server.call(&["submit", "--machine", "fanuc-mill", &large]);
+    assert_eq!(code, 2, "{talk}");
+    assert!(talk.contains("'large.nc' has 2200 bytes: the blob is larger than the limit of 1000 bytes"), "{talk}");
 }

@@ -7,6 +7,9 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
+use crate::error::Error;
+use crate::settings::{Notice, Settings};
+
 /// First and longest time that pauses are taken from.
 const FIRST: Duration = Duration::from_millis(100);
 const LONGEST: Duration = Duration::from_secs(10);
@@ -15,14 +18,20 @@ const LONGEST: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub(crate) struct Backoff {
     patience: Duration,
+    /// Receives the first of several failures in a row.
+    notice: Option<Notice>,
     failures: u32,
     /// When something last succeeded, or the first failure after that.
     since: Option<Instant>,
 }
 
 impl Backoff {
-    pub(crate) fn new(patience: Duration) -> Self {
-        Self { patience, failures: 0, since: None }
+    pub(crate) fn of(settings: &Settings) -> Self {
+        Self { notice: settings.notice(), ..Self::new(settings.patience()) }
+    }
+
+    fn new(patience: Duration) -> Self {
+        Self { patience, notice: None, failures: 0, since: None }
     }
 
     /// Something succeeded: the next failure is the first one again.
@@ -30,9 +39,13 @@ impl Backoff {
         (self.failures, self.since) = (0, None);
     }
 
-    /// Something failed: the pause before it is tried again, at least `asked`, or `None` if patience is at its end.
-    pub(crate) fn failed(&mut self, asked: Option<Duration>) -> Option<Duration> {
-        self.failed_at(Instant::now(), asked, fastrand::f64())
+    /// Something failed: the pause before it is tried again, at least the pause that the server asks for, or `None` if
+    /// patience is at its end.
+    pub(crate) fn failed(&mut self, error: &Error) -> Option<Duration> {
+        if let (0, Some(notice)) = (self.failures, self.notice) {
+            notice(error, self.patience);
+        }
+        self.failed_at(Instant::now(), error.pause(), fastrand::f64())
     }
 
     fn failed_at(&mut self, now: Instant, asked: Option<Duration>, random: f64) -> Option<Duration> {

@@ -189,13 +189,13 @@ impl Client {
 
     /// Repeats a call that may be repeated until it succeeds or is refused.
     async fn again<T, F: Future<Output = Result<T, Error>>>(&self, call: impl Fn() -> F) -> Result<T, Error> {
-        let mut backoff = Backoff::new(self.settings().patience());
+        let mut backoff = Backoff::of(self.settings());
         loop {
             let error = match call().await {
                 Err(error) if error.is_passing() => error,
                 other => return other,
             };
-            match backoff.failed(error.pause()) {
+            match backoff.failed(&error) {
                 Some(pause) => tokio::time::sleep(pause).await,
                 None => return Err(error),
             }

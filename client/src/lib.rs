@@ -22,7 +22,7 @@ pub use counterpoint_proto::v1;
 pub use document::{Chunks, Document, Drawing};
 pub use error::Error;
 pub use reach::{Misfit, Reach};
-pub use settings::{Call, Settings};
+pub use settings::{Call, Notice, Settings};
 pub use watch::{Update, Watch};
 pub use watch_jobs::{JobUpdate, WatchJobs};
 

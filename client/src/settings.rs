@@ -21,6 +21,9 @@ const CERTIFICATE: &str = "COUNTERPOINT_CLIENT_CERT";
 const KEY: &str = "COUNTERPOINT_CLIENT_KEY";
 const TRACEPARENT: &str = "TRACEPARENT";
 
+/// Receives the error after which a client starts to try again, and its patience.
+pub type Notice = fn(&Error, Duration);
+
 /// Where the server is and who calls.
 #[derive(Clone)]
 pub struct Settings {
@@ -29,6 +32,7 @@ pub struct Settings {
     authorities: Option<Vec<u8>>,
     identity: Option<Identity>,
     patience: Duration,
+    notice: Option<Notice>,
 }
 
 impl std::fmt::Debug for Settings {
@@ -42,7 +46,14 @@ impl Settings {
     #[must_use]
     pub fn new(address: impl Into<String>) -> Self {
         let patience = Duration::from_secs(60);
-        Self { address: address.into(), call: Call::default(), authorities: None, identity: None, patience }
+        Self {
+            address: address.into(),
+            call: Call::default(),
+            authorities: None,
+            identity: None,
+            patience,
+            notice: None,
+        }
     }
 
     /// A server at an address, the rest from the environment: `COUNTERPOINT_TOKEN`, and the PEM files named by
@@ -123,6 +134,13 @@ impl Settings {
         self
     }
 
+    /// Calls this function when the client starts to try again after a failure.
+    #[must_use]
+    pub fn with_notice(mut self, notice: Notice) -> Self {
+        self.notice = Some(notice);
+        self
+    }
+
     /// The address.
     #[must_use]
     pub fn address(&self) -> &str {
@@ -131,6 +149,10 @@ impl Settings {
 
     pub(crate) fn patience(&self) -> Duration {
         self.patience
+    }
+
+    pub(crate) fn notice(&self) -> Option<Notice> {
+        self.notice
     }
 
     pub(crate) fn call(&self) -> Call {

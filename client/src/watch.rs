@@ -54,7 +54,7 @@ pub struct Watch {
 
 impl Watch {
     pub(crate) fn new(connection: Connection, job: &str, level: v1::WatchLevel) -> Self {
-        let backoff = Backoff::new(connection.settings.patience());
+        let backoff = Backoff::of(&connection.settings);
         Self {
             connection,
             job: job.to_owned(),
@@ -121,7 +121,7 @@ impl Watch {
                 Ok(None) => {}
                 Err(error) => {
                     self.stream = None;
-                    let pause = if error.is_passing() { self.backoff.failed(error.pause()) } else { None };
+                    let pause = if error.is_passing() { self.backoff.failed(&error) } else { None };
                     let Some(pause) = pause else { return Err(error) };
                     self.reconnects += 1;
                     self.due = Some(Instant::now() + pause);

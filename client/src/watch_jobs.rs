@@ -46,7 +46,7 @@ pub struct WatchJobs {
 
 impl WatchJobs {
     pub(crate) fn new(connection: Connection, filter: v1::JobFilter) -> Self {
-        let backoff = Backoff::new(connection.settings.patience());
+        let backoff = Backoff::of(&connection.settings);
         Self { connection, filter, cursor: 0, stream: None, waiting: VecDeque::new(), backoff, due: None }
     }
 
@@ -87,7 +87,7 @@ impl WatchJobs {
                         self.cursor = 0;
                         return Ok(JobUpdate::Anew);
                     }
-                    let pause = if error.is_passing() { self.backoff.failed(error.pause()) } else { None };
+                    let pause = if error.is_passing() { self.backoff.failed(&error) } else { None };
                     let Some(pause) = pause else { return Err(error) };
                     self.due = Some(Instant::now() + pause);
                 }
