@@ -163,8 +163,25 @@ async fn heading(client: &Client, job: &str) -> Result<String, Error> {
 
 /// The report that `run` prints.
 async fn reported(client: &Client, job: &str) -> Result<String, Error> {
-    let (_, summary) = summary(client, job).await?;
+    let summary = match summary(client, job).await {
+        Ok((_, summary)) => summary,
+        Err(error) => return Err(without_results(client, job, error).await),
+    };
     Ok(heading(client, job).await? + &report(&summary, false) + &drawn_timeline(client, job, run::width()).await?)
+}
+
+/// Adds to a refusal the reason why the job has no results.
+async fn without_results(client: &Client, job: &str, error: Error) -> Error {
+    if error.reason().as_deref() != Some("NO_RESULTS") {
+        return error;
+    }
+    let request = v1::GetJobRequest { job_id: job.to_owned() };
+    let Ok(answer) = client.jobs().get_job(request).await else { return error };
+    let status = answer.into_inner().status.unwrap_or_default();
+    match [status.error, status.verdict].into_iter().find(|reason| !reason.is_empty()) {
+        Some(reason) => Error::Usage(format!("{error}: {reason}")),
+        None => error,
+    }
 }
 
 /// Writes all results into a folder, as `run --out` does, and the report.

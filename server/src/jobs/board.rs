@@ -463,7 +463,11 @@ impl Core {
 
 /// Why a job ends at its deadline.
 pub(super) fn late(deadline: i64) -> String {
-    format!("the job had not ended at its deadline, {} UTC", instant(deadline))
+    let deadline = instant(deadline);
+    format!(
+        "the job had not ended at its deadline, {deadline} UTC: submit it again with a later deadline or a \
+         higher priority"
+    )
 }
 
 #[cfg(test)]

@@ -57,7 +57,11 @@ impl RunLimits {
         let running = self.since.map_or(Duration::ZERO, |since| now.saturating_duration_since(since));
         let wall = self.wall.and_then(|wall| {
             let beyond = (self.ran + running).checked_sub(wall)?;
-            let text = format!("the run was stopped after {} ms of running time, its limit wall_ms", wall.as_millis());
+            let text = format!(
+                "the run was stopped after {} ms of running time, its limit wall_ms: submit the job with a higher limit; \
+                 the administrator sets the maximum of the server",
+                wall.as_millis()
+            );
             Some((beyond, (Reached::WallMs, text)))
         });
         let deadline = self.deadline.as_ref();

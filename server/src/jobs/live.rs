@@ -256,7 +256,10 @@ impl Live {
     pub(crate) fn check_bytes(&self, bytes: u64) -> bool {
         let most = self.most_bytes();
         if bytes > most {
-            let text = format!("the run was stopped after {most} bytes of log and files, its limit max_job_bytes");
+            let text = format!(
+                "the run was stopped after {most} bytes of log and files, its limit max_job_bytes: submit the job with a \
+                 higher limit, or without a trace; the administrator sets the maximum of the server"
+            );
             self.reach((Reached::MaxJobBytes, text));
         }
         bytes <= most
