@@ -286,7 +286,7 @@ pub(crate) async fn submit_pack(
 ) -> Result<Submitted, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     let (count, computed) = (pack.files.0.len(), pack.computed);
-    client.upload(&pack.files.blobs()).await?;
+    client.upload(&pack.files.blobs()).await.map_err(|error| too_large(error, &pack.files))?;
     let file = |(path, blob): (String, Blob)| v1::FileRef { path, digest: blob.digest().to_owned() };
     let request = v1::SubmitJobRequest {
         machine,
@@ -320,6 +320,17 @@ pub(crate) async fn submit_pack(
         ..request
     };
     client.submit(request).await.map_err(|error| too_many(error, count, computed))
+}
+
+/// Adds the largest file to the refusal of a blob by its size: the others are smaller.
+fn too_large(error: Error, files: &pack::Files) -> Error {
+    let largest = files.0.iter().max_by_key(|(_, blob)| blob.content().len());
+    match largest {
+        Some((name, blob)) if error.reason().as_deref() == Some("BLOB_TOO_LARGE") => {
+            Error::Usage(format!("'{name}' has {} bytes: {error}", blob.content().len()))
+        }
+        _ => error,
+    }
 }
 
 /// Adds the reason of the number of files to the refusal of a server that does not accept so many.

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use counterpoint_server::options::{Options, Quotas};
+use counterpoint_server::options::{Maxima, Options, Quotas};
 use counterpoint_server::service;
 use serde_json::Value;
 
