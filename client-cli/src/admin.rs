@@ -23,7 +23,7 @@ pub(crate) async fn dispatch(command: Admin) -> Result<u8, Error> {
         Admin::Workers(_) => workers(&client).await?,
         Admin::Drain(_) => {
             let answer = client.admin().drain(v1::DrainRequest {}).await?.into_inner();
-            format!("the server shuts down: {} jobs run and have {} s to end\n", answer.running, answer.grace_s)
+            drained(answer.running, answer.grace_s)
         }
         Admin::Collect(_) => {
             let answer = client.admin().collect(v1::CollectRequest {}).await?.into_inner();
@@ -91,4 +91,30 @@ async fn workers(client: &Client) -> Result<String, Error> {
     let list = rows(&["job", "tenant", "machine", "run", "blocks", "events"], answer.workers.into_iter().map(row), 3);
     let v1::ListWorkersResponse { slots, storing, queued, .. } = answer;
     Ok(format!("{list}{alone}{running} of {slots} workers run jobs, {storing} jobs are being stored, {queued} wait\n"))
+}
+
+/// The answer to a request for a shutdown.
+fn drained(running: u32, grace_s: u64) -> String {
+    let jobs = match running {
+        0 => "no job runs".to_owned(),
+        1 => format!("1 job runs and has {grace_s} s to end"),
+        running => format!("{running} jobs run and have {grace_s} s to end"),
+    };
+    format!("the server shuts down: {jobs}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::drained;
+
+    #[test]
+    fn the_jobs_of_a_shutdown_are_counted_in_words() {
+        for (running, text) in [
+            (0, "the server shuts down: no job runs\n"),
+            (1, "the server shuts down: 1 job runs and has 30 s to end\n"),
+            (2, "the server shuts down: 2 jobs run and have 30 s to end\n"),
+        ] {
+            assert_eq!(drained(running, 30), text);
+        }
+    }
 }

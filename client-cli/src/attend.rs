@@ -92,7 +92,7 @@ impl Attendant {
         say::status_line(format_args!(
             "{} {}",
             styled(WARN, &dialog.title),
-            styled(DIM, format!("({who}, {} line {})", question.file, question.line))
+            styled(DIM, format!("({who}{})", place(&question.file, question.line)))
         ));
         if !question.problem.is_empty() {
             say::status_line(styled(BAD, &question.problem));
@@ -182,6 +182,15 @@ impl Attendant {
 
     async fn send(&mut self, content: Say) -> Result<(), Error> {
         self.say.send(v1::AttendRequest { content: Some(content) }).await.map_err(|_| gone())
+    }
+}
+
+/// The place of a question; a question before the first block has none.
+fn place(file: &str, line: u32) -> String {
+    match (file, line) {
+        ("", _) => String::new(),
+        (file, 0) => format!(", {file}"),
+        (file, line) => format!(", {file} line {line}"),
     }
 }
 
@@ -286,6 +295,12 @@ fn read(kind: &Kind, line: &str) -> Result<Value, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_question_before_the_first_block_has_no_line() {
+        assert_eq!(place("a.nc", 12), ", a.nc line 12");
+        assert_eq!((place("a.nc", 0), place("", 0)), (", a.nc".to_owned(), String::new()));
+    }
 
     #[test]
     fn a_field_waits_for_the_variable_that_decides() {
