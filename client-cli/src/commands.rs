@@ -10,7 +10,7 @@ use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::event_line::event_line;
-use crate::job_status::as_json;
+use crate::job_status::json_line;
 use crate::many::Act;
 use crate::outcome::{ended, ended_by_name};
 use crate::output_folder::{OutputFolder, drawn_timeline};
@@ -125,7 +125,7 @@ async fn wait(arguments: Wait) -> Result<u8, Error> {
     for job in &jobs::awaited(&client, &arguments).await? {
         let status = client.wait(job).await.map_err(|error| error.of_job(job))?;
         if json {
-            say::verdict(format!("{}\n", as_json(&status)).as_bytes())?;
+            say::verdict(json_line(&status).as_bytes())?;
         }
         code = code.max(ended_by_name(&status, strict, quiet));
     }

@@ -3,7 +3,7 @@
 use counterpoint_proto::v1;
 
 use crate::arguments::NAME;
-use crate::text::time;
+use crate::text::{time, visible};
 
 /// Duration of the last run of a job, or of the current run so far, ms; none for a waiting job.
 pub(crate) fn ran_ms(job: &v1::JobStatus, now_ms: i64) -> Option<i64> {
@@ -51,7 +51,7 @@ pub(crate) fn simulated_label(job: &v1::JobStatus) -> &'static str {
 pub(crate) fn labels(job: &v1::JobStatus) -> String {
     let name = job.labels.get(NAME).cloned();
     let others = job.labels.iter().filter(|(key, _)| *key != NAME).map(|(key, value)| format!("{key}={value}"));
-    name.into_iter().chain(others).collect::<Vec<_>>().join(" ")
+    visible(&name.into_iter().chain(others).collect::<Vec<_>>().join(" ")).into_owned()
 }
 
 /// The state of a job. A job whose cancel was requested is cancelling until its run has stopped.
@@ -66,10 +66,15 @@ pub(crate) fn state_name(job: &v1::JobStatus) -> String {
 }
 
 pub(crate) fn programs(job: &v1::JobStatus) -> String {
-    job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>().join(" ")
+    visible(&job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>().join(" ")).into_owned()
 }
 
-pub(crate) fn as_json(job: &v1::JobStatus) -> serde_json::Value {
+/// A job as a line of JSON.
+pub(crate) fn json_line(job: &v1::JobStatus) -> String {
+    format!("{}\n", visible(&as_json(job).to_string()))
+}
+
+fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     let mut json = serde_json::json!({
         "job": job.job_id,
         "request_id": job.request_id,

@@ -1,5 +1,6 @@
 //! Many jobs: listed, followed, run again.
 
+use std::collections::VecDeque;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use counterpoint_client::JobUpdate;
@@ -9,7 +10,7 @@ use counterpoint_server::utc::{date_and_time, instant};
 use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Wait, Watch, When};
 use crate::client::{Client, Submitted};
 use crate::error::Error;
-use crate::job_status::{as_json, labels, programs, ran_ms, simulated, state_name, waits};
+use crate::job_status::{json_line, labels, programs, ran_ms, simulated, state_name, waits};
 use crate::text::{table, time};
 use crate::{job_names, say};
 
@@ -171,7 +172,7 @@ pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
     };
     let rows = listed(&client, request, arguments.limit.unwrap_or(usize::MAX)).await?;
     if arguments.json {
-        let lines: String = rows.iter().map(|job| format!("{}\n", as_json(job))).collect();
+        let lines: String = rows.iter().map(json_line).collect();
         say::data(lines.as_bytes())?;
         return Ok(0);
     }
@@ -209,25 +210,51 @@ fn row(job: &v1::JobStatus, long: bool, now_ms: i64) -> Vec<String> {
     vec![id.clone(), state, submitted, started, ran, cycle, job.machine.clone(), labels, programs(job)]
 }
 
+/// The line of a watch for a job.
+fn watched(job: &v1::JobStatus, json: bool) -> String {
+    if json {
+        return json_line(job).trim_end().to_owned();
+    }
+    let line = format!("{}  {:<9}  {}  {}", job.job_id, state_name(job), job.machine, programs(job));
+    line + if job.reused_from.is_empty() { "" } else { "  (reused)" }
+}
+
+/// The jobs of a filter that have ended since a time, ms since 1970, the first submitted one first.
+async fn ended_since(client: &Client, jobs: &JobFilter, since_ms: i64) -> Result<VecDeque<v1::JobStatus>, Error> {
+    let request = v1::ListJobsRequest { filter: Some(filter(jobs)), ..Default::default() };
+    let jobs = listed(client, request, usize::MAX).await?.into_iter();
+    Ok(jobs.filter(|job| job.ended_ms >= since_ms).collect())
+}
+
 /// Follows the states of jobs, reconnecting if necessary, until it is interrupted.
 pub(crate) async fn watch(arguments: Watch) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let mut watch = client.watch_jobs(filter(&arguments.filter));
+    // Time of the server at the last known change.
+    let mut known_ms = now_ms();
+    let mut missed = VecDeque::new();
     loop {
+        if let Some(job) = missed.pop_front() {
+            say::data(format!("{}\n", watched(&job, arguments.json)).as_bytes())?;
+            continue;
+        }
         let update = tokio::select! {
             update = watch.next() => update?,
             _ = tokio::signal::ctrl_c() => return Ok(0),
         };
         let line = match update {
-            JobUpdate::Job(job) if arguments.json => as_json(&job).to_string(),
             JobUpdate::Job(job) => {
-                let line = format!("{}  {:<9}  {}  {}", job.job_id, state_name(&job), job.machine, programs(&job));
-                line + if job.reused_from.is_empty() { "" } else { "  (reused)" }
+                known_ms = known_ms.max(job.submitted_ms).max(job.started_ms).max(job.ended_ms);
+                watched(&job, arguments.json)
             }
             JobUpdate::Removed(job) if arguments.json => serde_json::json!({ "job": job, "removed": true }).to_string(),
             JobUpdate::Removed(job) => format!("{job}  REMOVED"),
             JobUpdate::Anew => {
-                say::status_line("the server no longer knows all changes; the jobs that have not ended follow");
+                say::status_line(
+                    "the server no longer knows all changes; the jobs that have ended since follow, and those that have \
+                     not ended",
+                );
+                missed = ended_since(&client, &arguments.filter, known_ms).await?;
                 continue;
             }
         };

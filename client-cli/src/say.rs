@@ -2,11 +2,12 @@
 //!
 //! *Invariant:* a closed pipe ends the command quietly.
 
-use std::io::{self, Write as _};
+use std::io::{self, IsTerminal as _, Write as _};
 
 use anstyle::{AnsiColor, Color, Style};
 
 use crate::error::Error;
+use crate::text::visible;
 
 const fn colour(colour: AnsiColor) -> Style {
     Style::new().fg_color(Some(Color::Ansi(colour)))
@@ -28,7 +29,7 @@ pub(crate) fn styled(style: Style, text: impl std::fmt::Display) -> String {
 
 /// Prints a line of status.
 pub(crate) fn status_line(text: impl std::fmt::Display) {
-    let _ = writeln!(anstream::stderr(), "{text}");
+    let _ = writeln!(anstream::stderr(), "{}", visible(&text.to_string()));
 }
 
 /// An error.
@@ -36,8 +37,10 @@ pub(crate) fn error(error: &Error) {
     status_line(format_args!("{} {error}", styled(BAD, "error:")));
 }
 
-/// Data.
+/// Data: as it is, except that a terminal gets escapes in place of characters that deceive its reader.
 pub(crate) fn data(bytes: &[u8]) -> Result<(), Error> {
+    let text = std::str::from_utf8(bytes).ok().filter(|_| io::stdout().is_terminal()).map(visible);
+    let bytes = text.as_ref().map_or(bytes, |text| text.as_bytes());
     let mut out = anstream::stdout();
     out.write_all(bytes).and_then(|()| out.flush()).map_err(broken)
 }

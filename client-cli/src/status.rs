@@ -7,7 +7,7 @@ use crate::arguments::Status;
 use crate::client::Client;
 use crate::error::Error;
 use crate::job_status::{
-    as_json, first_error, labels, programs, ran_ms, simulated, simulated_label, state_name, waits,
+    first_error, json_line, labels, programs, ran_ms, simulated, simulated_label, state_name, waits,
 };
 use crate::jobs::now_ms;
 use crate::outcome::errors;
@@ -24,7 +24,7 @@ pub(crate) async fn status(arguments: Status) -> Result<u8, Error> {
     let answer = client.jobs().get_job(v1::GetJobRequest { job_id }).await?.into_inner();
     let status = answer.status.unwrap_or_default();
     if arguments.json {
-        say::data(format!("{}\n", as_json(&status)).as_bytes())?;
+        say::data(json_line(&status).as_bytes())?;
     } else {
         let source = reused::source(&client, &status).await?;
         say::data(shown(&status, (&answer.pinned_machine, source), now_ms()).as_bytes())?;

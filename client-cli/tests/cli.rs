@@ -662,6 +662,33 @@ fn the_token_and_the_authorities_come_from_the_environment() {
     assert!(status != 0 && talk.contains("'no-such.pem' does not exist"), "{talk}");
 }
 
+/// Characters that change the direction of a text, end its line or have no width could forge a list of jobs.
+#[test]
+fn characters_that_deceive_readers_are_printed_as_escapes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_runtime, url) = server(folder.path());
+    let done = |arguments: &[&str]| {
+        let output = counterpoint(&[arguments, &["--server", &url]].concat());
+        assert_eq!(code(&output), 0, "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let part = program(folder.path(), "pa\u{200b}rt.nc", "O1\nG0 X1.\nM30\n");
+    let label = "odd=a\u{202e}b\u{2028}c\u{2029}d";
+    let job = done(&["submit", &part, "--machine", "fanuc-mill", "--label", label]);
+    let job = job.trim();
+    for arguments in [&["wait", job][..], &["wait", job, "--json"], &["jobs"], &["jobs", "--json"], &["status", job]] {
+        let text = done(arguments);
+        let deceive = |c: char| matches!(c, '\u{200b}' | '\u{2028}'..='\u{202e}');
+        assert!(!text.contains(deceive), "{arguments:?}: {text:?}");
+        if arguments.contains(&"--json") {
+            let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+            assert_eq!(read["labels"]["odd"], "a\u{202e}b\u{2028}c\u{2029}d");
+        }
+    }
+    let list = done(&["jobs"]);
+    assert!(list.contains(r"odd=a\u202eb\u2028c\u2029d") && list.contains(r"pa\u200brt.nc"), "{list}");
+}
+
 #[test]
 fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -746,6 +773,59 @@ fn jobs_on_a_server_are_labelled_found_followed_and_run_again() {
     }
     let line = first_line.join().unwrap();
     assert!(watched.iter().any(|job| line.contains(job)) && line.contains("SUCCEEDED"), "{line}");
+    watch.kill().unwrap();
+    watch.wait().unwrap();
+}
+
+/// A server that has restarted does not know the changes before.
+#[test]
+fn a_watch_of_many_jobs_prints_those_that_have_ended_while_it_was_cut_off() {
+    let folder = tempfile::tempdir().unwrap();
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let start = |listen: &str| {
+        let (listen, data) = (listen.parse().unwrap(), folder.path().join("data"));
+        let service = runtime.block_on(service::build(Options { listen, data, grace_s: 0, ..Options::default() }));
+        let service = service.unwrap();
+        (service.handle(), runtime.spawn(service.run(std::future::pending())))
+    };
+    let done = |arguments: &[&str], url: &str| {
+        let output = counterpoint(&[arguments, &["--server", url]].concat());
+        assert_eq!(code(&output), 0, "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap().trim().to_owned()
+    };
+    let part = program(folder.path(), "part.nc", "O1\nG0 X1.\nM30\n");
+    let submit = |url: &str| {
+        let job = done(&["submit", &part, "--machine", "fanuc-mill"], url);
+        done(&["wait", &job], url);
+        job
+    };
+    let (first, task) = start("127.0.0.1:0");
+    let (url, address) = (first.url(), first.address().to_string());
+    let mut watch = Command::new(env!("CARGO_BIN_EXE_counterpoint"))
+        .args(["watch", "--all", "--state", "succeeded", "--json", "--server", &url])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (send, lines) = std::sync::mpsc::channel();
+    let output = std::io::BufReader::new(watch.stdout.take().unwrap());
+    std::thread::spawn(move || {
+        std::io::BufRead::lines(output).map_while(Result::ok).try_for_each(|line| send.send(line))
+    });
+    // A job that ends before the watch has begun is not printed.
+    while lines.try_recv().is_err() {
+        submit(&url);
+    }
+    first.stop();
+    runtime.block_on(task).unwrap().unwrap();
+    let (second, task) = start("127.0.0.1:0");
+    let missed = submit(&second.url());
+    second.stop();
+    runtime.block_on(task).unwrap().unwrap();
+    let (third, _task) = start(&address);
+    let patience = std::time::Duration::from_secs(30);
+    while !lines.recv_timeout(patience).expect("the job is printed").contains(&missed) {}
+    third.stop();
     watch.kill().unwrap();
     watch.wait().unwrap();
 }

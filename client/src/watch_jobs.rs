@@ -1,7 +1,7 @@
 //! Follows the states of many jobs, over broken connections and restarts of the server.
 //!
-//! *Invariants:* a job that has changed is delivered with its newest state at least once; `next` may be dropped and
-//! called again.
+//! *Invariants:* a job that has changed is delivered with its newest state at least once; a client that lists the jobs
+//! when it receives `Anew` misses no change; `next` may be dropped and called again.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -27,7 +27,8 @@ pub enum JobUpdate {
     /// The job with this identity was removed.
     Removed(String),
     /// The server does not know all changes since the cursor any more, for example after a restart; the jobs that have
-    /// not ended follow. Jobs that have ended meanwhile are found with `ListJobs`.
+    /// not ended follow. Jobs that have ended meanwhile are found with `ListJobs`: list them when you receive this. The
+    /// watch has begun again, so it delivers the jobs that change after this.
     Anew,
 }
 
@@ -37,6 +38,8 @@ pub struct WatchJobs {
     connection: Connection,
     filter: v1::JobFilter,
     cursor: u64,
+    /// The cursor was too old, and the client does not know that yet.
+    anew: bool,
     stream: Option<Streaming<v1::WatchJobsResponse>>,
     waiting: VecDeque<JobUpdate>,
     backoff: Backoff,
@@ -47,7 +50,8 @@ pub struct WatchJobs {
 impl WatchJobs {
     pub(crate) fn new(connection: Connection, filter: v1::JobFilter) -> Self {
         let backoff = Backoff::of(&connection.settings);
-        Self { connection, filter, cursor: 0, stream: None, waiting: VecDeque::new(), backoff, due: None }
+        let (cursor, waiting) = (0, VecDeque::new());
+        Self { connection, filter, cursor, anew: false, stream: None, waiting, backoff, due: None }
     }
 
     /// Continues at the cursor of an earlier watch instead of at the jobs that have not ended.
@@ -84,8 +88,8 @@ impl WatchJobs {
                 Err(error) => {
                     self.stream = None;
                     if error.reason().as_deref() == Some("CURSOR_TOO_OLD") && self.cursor > 0 {
-                        self.cursor = 0;
-                        return Ok(JobUpdate::Anew);
+                        (self.cursor, self.anew) = (0, true);
+                        continue;
                     }
                     let pause = if error.is_passing() { self.backoff.failed(&error) } else { None };
                     let Some(pause) = pause else { return Err(error) };
@@ -116,6 +120,10 @@ impl WatchJobs {
     }
 
     fn take(&mut self, message: v1::WatchJobsResponse) {
+        // The server follows the changes from before its first message.
+        if std::mem::take(&mut self.anew) {
+            self.waiting.push_back(JobUpdate::Anew);
+        }
         for change in message.changes {
             let job = change.status.unwrap_or_default();
             self.waiting.push_back(match change.removed {

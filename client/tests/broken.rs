@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use counterpoint_client::{Blob, Client, Document, Error, Settings, Update, request_id, v1};
+use counterpoint_client::{Blob, Client, Document, Error, JobUpdate, Settings, Update, request_id, v1};
 use counterpoint_server::options::Options;
 use counterpoint_server::service::{self, Handle};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
@@ -231,4 +231,27 @@ async fn patience_ends_and_refusals_are_not_repeated() {
     assert!(lost.is_passing() && matches!(lost, Error::Unreachable { .. }), "{lost}");
     assert!(lost.to_string().contains(&server_url), "{lost}");
     assert!(matches!(Client::connect(&settings).await, Err(Error::Unreachable { .. })));
+}
+
+/// A client that lists the jobs after `Anew` misses no end: each job that ends after that is delivered.
+#[tokio::test]
+async fn a_watch_with_a_cursor_that_is_too_old_is_open_again_before_its_client_hears_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path()).await;
+    let client = Client::connect(&Settings::new(server.handle.url())).await.unwrap();
+    let mut watch = client.watch_jobs(v1::JobFilter::default()).after(1);
+    let next = async |watch: &mut counterpoint_client::WatchJobs| {
+        tokio::time::timeout(Duration::from_secs(20), watch.next()).await.expect("an update comes").unwrap()
+    };
+    assert_eq!(next(&mut watch).await, JobUpdate::Anew);
+    let job = submit(&client, program(3)).await;
+    client.wait(&job).await.unwrap();
+    loop {
+        match next(&mut watch).await {
+            JobUpdate::Job(status) if status.job_id == job && status.ended_ms > 0 => break,
+            JobUpdate::Job(_) => {}
+            other => panic!("{other:?}"),
+        }
+    }
+    server.stop().await;
 }
