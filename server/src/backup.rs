@@ -51,10 +51,27 @@ pub struct Contents {
 /// When `to` is not empty, when a file cannot be read or written, or when the server does not answer.
 pub fn backup(from: &Path, to: &Path) -> Result<Contents, String> {
     has_ledger(from)?;
+<<<<<<< HEAD
     let _claim = Claim::of(to)?;
+=======
+    lies_outside(to, from)?;
+    make_empty(to)?;
+>>>>>>> 9bb2609d (Refuse a backup into the data folder)
     contained(|| copy_with_ledger(from, to))
         .and_then(|copied| copied)
         .map_err(|refusal| format!("the backup is not whole, remove '{}': {refusal}", to.display()))
+}
+
+/// Refuses a target inside the data folder: the server would count it as its own, and the next backup would not have
+/// it.
+fn lies_outside(to: &Path, from: &Path) -> Result<(), String> {
+    let (Ok(from), Ok(target)) = (fs::canonicalize(from), std::path::absolute(to)) else { return Ok(()) };
+    // Folders that do not exist yet are not links.
+    let existing = target.ancestors().find_map(|folder| fs::canonicalize(folder).ok());
+    if existing.is_some_and(|existing| existing.starts_with(&from)) {
+        return Err(format!("'{}' is inside the data folder: choose a folder outside of it", to.display()));
+    }
+    Ok(())
 }
 
 /// Refuses a source that is not the data folder of a server.
@@ -265,4 +282,25 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
     // The folder of a name without one.
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_backup_into_the_data_folder_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let data = folder.path().join("data");
+        fs::create_dir_all(data.join("tmp")).unwrap();
+        fs::write(data.join("ledger.redb"), "").unwrap();
+        for inside in ["data", "data/backup", "data/tmp/a/b", "data/../data/backup"] {
+            let error = backup(&data, &folder.path().join(inside)).unwrap_err();
+            assert!(error.contains("is inside the data folder"), "{error}");
+        }
+        assert!(!data.join("backup").exists());
+        for outside in ["data-backup", "backup/data"] {
+            assert_eq!(lies_outside(&folder.path().join(outside), &data), Ok(()), "{outside}");
+        }
+    }
 }
