@@ -3,7 +3,8 @@
 use counterpoint_proto::v1;
 
 use crate::arguments::NAME;
-use crate::text::{time, visible};
+use crate::text::time;
+use crate::visible::visible;
 
 /// Duration of the last run of a job, or of the current run so far, ms; none for a waiting job.
 pub(crate) fn ran_ms(job: &v1::JobStatus, now_ms: i64) -> Option<i64> {

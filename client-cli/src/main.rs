@@ -61,6 +61,7 @@ mod tape_trial;
 mod text;
 mod timeline;
 mod tools;
+mod visible;
 
 use std::process::ExitCode;
 

@@ -7,7 +7,7 @@ use std::io::{self, IsTerminal as _, Write as _};
 use anstyle::{AnsiColor, Color, Style};
 
 use crate::error::Error;
-use crate::text::visible;
+use crate::visible::visible;
 
 const fn colour(colour: AnsiColor) -> Style {
     Style::new().fg_color(Some(Color::Ansi(colour)))

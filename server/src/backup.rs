@@ -51,25 +51,21 @@ pub struct Contents {
 /// When `to` is not empty, when a file cannot be read or written, or when the server does not answer.
 pub fn backup(from: &Path, to: &Path) -> Result<Contents, String> {
     has_ledger(from)?;
-<<<<<<< HEAD
-    let _claim = Claim::of(to)?;
-=======
     lies_outside(to, from)?;
-    make_empty(to)?;
->>>>>>> 9bb2609d (Refuse a backup into the data folder)
+    let _claim = Claim::of(to)?;
     contained(|| copy_with_ledger(from, to))
         .and_then(|copied| copied)
         .map_err(|refusal| format!("the backup is not whole, remove '{}': {refusal}", to.display()))
 }
 
-/// Refuses a target inside the data folder: the server would count it as its own, and the next backup would not have
-/// it.
+/// Refuses a target inside the source: a server would count a backup as its own data, and its loss would be that of
+/// both.
 fn lies_outside(to: &Path, from: &Path) -> Result<(), String> {
     let (Ok(from), Ok(target)) = (fs::canonicalize(from), std::path::absolute(to)) else { return Ok(()) };
     // Folders that do not exist yet are not links.
     let existing = target.ancestors().find_map(|folder| fs::canonicalize(folder).ok());
     if existing.is_some_and(|existing| existing.starts_with(&from)) {
-        return Err(format!("'{}' is inside the data folder: choose a folder outside of it", to.display()));
+        return Err(format!("'{}' is inside '{}': choose a folder outside of it", to.display(), from.display()));
     }
     Ok(())
 }
@@ -181,6 +177,7 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
             "the backup is damaged (all damages: {all}; restore it all the same: --damaged): {damage}"
         ));
     }
+    lies_outside(to, from)?;
     let _claim = Claim::of(to)?;
     let owner = Owner::of(to);
     let unfinished = |error: io::Error| format!("the folder '{}' is not whole, remove it: {error}", to.display());
@@ -296,7 +293,7 @@ mod tests {
         fs::write(data.join("ledger.redb"), "").unwrap();
         for inside in ["data", "data/backup", "data/tmp/a/b", "data/../data/backup"] {
             let error = backup(&data, &folder.path().join(inside)).unwrap_err();
-            assert!(error.contains("is inside the data folder"), "{error}");
+            assert!(error.contains("choose a folder outside of it"), "{error}");
         }
         assert!(!data.join("backup").exists());
         for outside in ["data-backup", "backup/data"] {

@@ -15,6 +15,7 @@ use tokio::sync::watch;
 
 use super::board::late;
 use super::limits::{RunLimits, Stopped};
+pub(crate) use super::lock::lock;
 use super::operator::Desk;
 use super::step::Stepping;
 use crate::ledger::record::{Reached, Record, State, Work, now_ms};
@@ -76,11 +77,6 @@ pub(crate) struct Live {
     limits: Mutex<RunLimits>,
     /// Held while the job is paused or resumed, so that ledger and memory agree.
     pub(super) holding: tokio::sync::Mutex<()>,
-}
-
-/// A lock whose holder panicked is used as it is: records are replaced whole.
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 impl Live {
@@ -158,7 +154,7 @@ impl Live {
     }
 
     /// Looks at the record without a copy.
-    pub(super) fn peek<T>(&self, look: impl FnOnce(&Record) -> T) -> T {
+    pub(crate) fn peek<T>(&self, look: impl FnOnce(&Record) -> T) -> T {
         look(&lock(&self.record))
     }
 
@@ -248,7 +244,7 @@ impl Live {
     }
 
     /// Limit `max_job_bytes` of the run.
-    pub(super) fn most_bytes(&self) -> u64 {
+    pub(crate) fn most_bytes(&self) -> u64 {
         lock(&self.limits).bytes.unwrap_or(u64::MAX)
     }
 

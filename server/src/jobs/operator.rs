@@ -17,8 +17,8 @@ use counterpoint_kernel::dialog::{Button, ButtonKind, Dialog, Field, FieldKind};
 use counterpoint_proto::v1;
 use tokio::sync::watch;
 
+use super::growing::Growing;
 use super::live::lock;
-use super::shares::Growing;
 
 /// Where dialogs wait.
 #[derive(Debug)]

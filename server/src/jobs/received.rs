@@ -6,7 +6,7 @@
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 
 use super::Core;
-use super::live::Live;
+use super::growing::Growing;
 use crate::reason::Refusal;
 
 /// Maximum size of all answers to the questions of one job, bytes: each further answer stores all of them again.
@@ -23,25 +23,28 @@ fn size(answer: &Answer) -> u64 {
     (EACH + answer.button.as_ref().map_or(0, String::len) + texts.sum::<usize>()) as u64
 }
 
-impl Core {
-    /// Counts an answer that is about to be stored, or refuses it; `field` is its place in the request. Returns its size.
-    pub(crate) fn receive(&self, live: &Live, field: &str, answer: &Answer) -> Result<u64, Refusal> {
-        let (size, most) = (size(answer), MOST.min(live.most_bytes()));
-        let mut received = live.desk().received();
-        let received = received.get_or_insert_with(|| self.growing(&live.peek(|record| record.tenant.clone())));
-        if received.bytes().saturating_add(size) > most {
-            let rule = format!("must have room in the {most} bytes for all answers to the questions of a job");
-            return Err(Refusal::field(format!("{field}.values"), rule));
-        }
-        self.grow(received, size)?;
-        Ok(size)
+/// Counts an answer of a tenant that is about to be stored among those of its job, or refuses it; `field` is its place in
+/// the request, and `most` the most bytes that the job may store. Returns its size.
+pub(crate) fn receive(
+    core: &Core,
+    received: &mut Option<Growing>,
+    (tenant, most): (&str, u64),
+    (field, answer): (&str, &Answer),
+) -> Result<u64, Refusal> {
+    let (size, most) = (size(answer), MOST.min(most));
+    let received = received.get_or_insert_with(|| core.growing(tenant));
+    if received.bytes().saturating_add(size) > most {
+        let rule = format!("must have room in the {most} bytes for all answers to the questions of a job");
+        return Err(Refusal::field(format!("{field}.values"), rule));
     }
+    core.grow(received, size)?;
+    Ok(size)
+}
 
-    /// Counts the answers that earlier runs of a job have received.
-    pub(super) fn received_before(&self, live: &Live, answers: &[(u16, Option<Answer>)]) {
-        let bytes = answers.iter().filter_map(|(_, answer)| answer.as_ref()).map(size).sum();
-        let mut growing = self.growing(&live.peek(|record| record.tenant.clone()));
-        growing.add(bytes);
-        *live.desk().received() = Some(growing);
-    }
+/// The bytes of the answers that earlier runs of a job of a tenant have received.
+pub(super) fn received_before(core: &Core, tenant: &str, answers: &[(u16, Option<Answer>)]) -> Growing {
+    let bytes = answers.iter().filter_map(|(_, answer)| answer.as_ref()).map(size).sum();
+    let mut growing = core.growing(tenant);
+    growing.add(bytes);
+    growing
 }

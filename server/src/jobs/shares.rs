@@ -9,7 +9,8 @@ use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use super::Core;
-use super::live::lock;
+use super::growing::Growing;
+use super::lock::lock;
 use crate::ledger::day;
 use crate::ledger::record::now_ms;
 use crate::options::{Options, Quotas, Tenant};
@@ -27,50 +28,6 @@ pub(crate) struct Shares {
     by_tenant: Arc<Places<String>>,
     /// Bytes of uploads in progress by tenant.
     growing: Arc<Mutex<BTreeMap<String, u64>>>,
-}
-
-/// The bytes of an upload in progress, or of the answers to a job that has not ended, which count until this is dropped.
-#[derive(Debug)]
-pub(crate) struct Growing {
-    all: Arc<Mutex<BTreeMap<String, u64>>>,
-    tenant: String,
-    bytes: u64,
-    /// Its content is there already, so its bytes do not count.
-    stored: bool,
-}
-
-impl Growing {
-    /// The bytes that count.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.bytes
-    }
-
-    /// Counts bytes that are stored already.
-    pub(super) fn add(&mut self, bytes: u64) {
-        self.bytes = self.bytes.saturating_add(bytes);
-        let mut all = lock(&self.all);
-        let of_tenant = all.entry(self.tenant.clone()).or_default();
-        *of_tenant = of_tenant.saturating_add(bytes);
-    }
-
-    /// Counts bytes no more that were not stored.
-    pub(crate) fn remove(&mut self, bytes: u64) {
-        let bytes = bytes.min(self.bytes);
-        self.bytes -= bytes;
-        if let Some(of_tenant) = lock(&self.all).get_mut(&self.tenant) {
-            *of_tenant = of_tenant.saturating_sub(bytes);
-        }
-    }
-}
-
-impl Drop for Growing {
-    fn drop(&mut self) {
-        let mut all = lock(&self.all);
-        match all.get(&self.tenant).map_or(0, |bytes| bytes.saturating_sub(self.bytes)) {
-            0 => drop(all.remove(&self.tenant)),
-            left => drop(all.insert(self.tenant.clone(), left)),
-        }
-    }
 }
 
 impl Shares {
@@ -151,22 +108,18 @@ impl Core {
 
     /// An upload of a tenant that begins, or the answers to one of its jobs.
     pub(crate) fn growing(&self, tenant: &str) -> Growing {
-        Growing { all: self.shares.growing.clone(), tenant: tenant.to_owned(), bytes: 0, stored: false }
+        Growing::new(self.shares.growing.clone(), tenant)
     }
 
     /// An upload of a content that the tenant has.
     pub(crate) fn not_growing(&self, tenant: &str) -> Growing {
-        let mut growing = self.growing(tenant);
-        growing.stored = true;
-        growing
+        self.growing(tenant).stored()
     }
 
     /// Counts bytes that an upload or an answer is about to store, or refuses them.
     pub(crate) fn grow(&self, upload: &mut Growing, bytes: u64) -> Result<(), Refusal> {
-        if upload.stored {
-            return Ok(());
-        }
-        self.has_room_for(&upload.tenant, bytes)?;
+        let Some(tenant) = upload.counted_for() else { return Ok(()) };
+        self.has_room_for(tenant, bytes)?;
         upload.add(bytes);
         Ok(())
     }

@@ -28,9 +28,9 @@ use super::ends::End;
 use super::files::Sandbox;
 use super::limits::Stopped;
 use super::live::{Live, Run};
-use super::reuse;
 use super::sink::JobSink;
 use super::system::Shell;
+use super::{received, reuse};
 use crate::cpu;
 use crate::ledger::first_error::FirstError;
 use crate::ledger::record::{Cause, Reached, Record, State, Work};
@@ -243,7 +243,8 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     let info = prepared.info().clone();
     let mut control = Control::new(info.channels.len()).with_stop(stop).with_cpu_clock(cpu::of_this_thread);
     if record.attended {
-        core.received_before(live, &answers);
+        let tenant = live.peek(|record| record.tenant.clone());
+        *live.desk().received() = Some(received::received_before(core, &tenant, &answers));
         live.desk().record(answers);
         live.desk().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
         let (ledger, desk, job) = (core.ledger.clone(), live.desk().clone(), live.id.clone());

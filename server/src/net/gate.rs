@@ -15,7 +15,7 @@ use tonic_types::StatusExt as _;
 
 use super::held::Ended;
 use super::tls::Tls;
-use super::unanswered::End;
+use super::unanswered::CallEnd;
 use super::web::Web;
 use crate::access::audit::{Audit, changes};
 use crate::access::calls::Needs;
@@ -198,12 +198,12 @@ impl Gate {
         peer: SocketAddr,
         identity: Option<&Identity>,
         path: &str,
-        (targets, end): (&[String], End),
+        (targets, end): (&[String], CallEnd),
     ) {
         let Some(audit) = &self.audit else { return };
         match end {
-            End::Client => audit.note_unanswered(peer, identity, path, targets),
-            End::Deadline => {
+            CallEnd::Client => audit.note_unanswered(peer, identity, path, targets),
+            CallEnd::Deadline => {
                 let status = Status::from(Refusal::CallDeadline);
                 audit.note_of(peer, identity, path, targets, (status.code(), &reason(&status)));
             }

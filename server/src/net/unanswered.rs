@@ -19,12 +19,12 @@ pub(super) struct Unanswered {
     caller: Option<Caller>,
     /// Empty once the call has an answer.
     path: String,
-    end: End,
+    end: CallEnd,
 }
 
 /// The reason why a call has no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum End {
+pub(super) enum CallEnd {
     /// The client has ended it.
     Client,
     /// Its deadline has passed.
@@ -33,7 +33,7 @@ pub(super) enum End {
 
 impl Unanswered {
     pub(super) fn new(peer: Arc<Peer>, caller: Option<Caller>, path: String) -> Self {
-        Self { peer, caller, path, end: End::Client }
+        Self { peer, caller, path, end: CallEnd::Client }
     }
 
     /// The call has an answer.
@@ -44,7 +44,7 @@ impl Unanswered {
 
     /// The deadline of the call has passed; `response` says so.
     pub(super) fn late(mut self, response: &Response<Body>, time: Duration) {
-        self.end = End::Deadline;
+        self.end = CallEnd::Deadline;
         self.peer.gate.counted(&self.path, response, time);
     }
 }

@@ -16,7 +16,7 @@ use super::{Blobs, blocking, to_the_end};
 use crate::access::Caller;
 use crate::blobs::{Receiver, digest};
 use crate::jobs::Core;
-use crate::jobs::shares::Growing;
+use crate::jobs::growing::Growing;
 use crate::reason::Refusal;
 
 impl Chunk for v1::DownloadResponse {

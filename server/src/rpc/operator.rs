@@ -23,6 +23,7 @@ use crate::jobs::Core;
 use crate::jobs::describe::status;
 use crate::jobs::live::Live;
 use crate::jobs::operator::Claimed;
+use crate::jobs::received;
 use crate::ledger::settled::Settled;
 use crate::reason::Refusal;
 
@@ -139,7 +140,10 @@ async fn settle(core: &Core, live: &Live, id: u64, given: Option<Given>) -> Resu
     let Some(Claimed { channel, question, dialog }) = live.desk().claim(id) else { return Ok(false) };
     let field = given.as_ref().map_or("", |(field, _)| field);
     let answer = given.map(|(_, answer)| Answer { dialog, ..submit::answer(answer) });
-    let counted = answer.as_ref().map_or(Ok(0), |answer| core.receive(live, field, answer));
+    let counted = answer.as_ref().map_or(Ok(0), |answer| {
+        let tenant = live.peek(|record| record.tenant.clone());
+        received::receive(core, &mut live.desk().received(), (&tenant, live.most_bytes()), (field, answer))
+    });
     let size = counted.inspect_err(|_| live.desk().release(id))?;
     let settled = Settled { channel, question, answer: answer.clone() };
     core.ledger.answered(live.id.clone(), settled).await.inspect_err(|_| {

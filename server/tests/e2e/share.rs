@@ -496,6 +496,6 @@ async fn urgent_jobs_go_first_and_a_deadline_ends_a_job_that_waits_or_runs() {
     // The ends are in the ledger.
     server.stop().await;
     let server = Server::start(options(folder.path())).await;
-    assert_eq!(server.status(&late).await.cause(), v1::JobCause::Limit);
+    assert_eq!(server.status(late).await.cause(), v1::JobCause::Limit);
     server.stop().await;
 }
