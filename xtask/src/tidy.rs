@@ -1,4 +1,4 @@
-//! Rules for the code: arrows between crates go down the floors (`floors`), and no measure of [`RULES`] is exceeded.
+//! Rules for the code: arrows between crates go down the floors (`floors`), and no measure of `RULES` is exceeded.
 //!
 //! Known exceptions are listed in `xtask/tidy.toml`. Invariant: that list only shrinks: a new exception is a finding,
 //! and so is an entry that is not needed.
