@@ -24,6 +24,11 @@ pub(crate) fn is_tenant(text: &str) -> bool {
     (1..=63).contains(&text.len()) && text.bytes().all(allowed) && text.starts_with(|c: char| c.is_ascii_alphanumeric())
 }
 
+/// Refusal of a text that is not the name of a tenant; `place` says where it is.
+pub(crate) fn no_tenant(place: &str, tenant: &str) -> String {
+    format!("{place}: '{tenant}' is not a tenant: expected {}", RULE)
+}
+
 /// Key of something that has a name within a tenant. Names do not contain `/`.
 pub(crate) fn key(tenant: &str, name: &str) -> String {
     if is_default(tenant) { name.to_owned() } else { format!("{tenant}/{name}") }

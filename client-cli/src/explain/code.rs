@@ -7,7 +7,6 @@ use counterpoint_kernel::machine::ident::kind::CodeKind;
 use counterpoint_kernel::machine::ident::kind::thread::ThreadCycle;
 use counterpoint_kernel::machine::ident::{CodeId, meaning, takes};
 use counterpoint_kernel::machine::index::{CodeRowId, DataRowId, RegisterId};
-use counterpoint_kernel::machine::refusals::{Active, Refusal, Written};
 use counterpoint_kernel::machine::rows::{CodeRow, DataRow};
 use counterpoint_kernel::machine::show::{self, Show};
 use counterpoint_kernel::machine::tables::form_range;
@@ -16,6 +15,7 @@ use serde_json::{Value, json};
 use crate::fields::Fields as _;
 
 use super::register;
+use super::related::{macros, of_code, refusals};
 
 /// One row of the code table.
 pub(super) fn code(machine: &Machine, id: CodeRowId) -> Value {
@@ -104,50 +104,12 @@ pub(super) fn reads(machine: &Machine, code: CodeId) -> Vec<DataRowId> {
     machine.data.ids().filter(read).collect()
 }
 
-/// Macros that the identifier triggers.
-pub(super) fn macros(machine: &Machine, identifier: &str) -> Vec<Value> {
-    let all = show::json_part(machine, Show::Macros);
-    let fires = |row: &&Value| {
-        row.at("match").as_array().is_some_and(|names| names.iter().any(|name| name.as_str() == Some(identifier)))
-    };
-    all.at("macros").as_array().into_iter().flatten().filter(fires).cloned().collect()
-}
-
 /// The effect of a word of `[[waits]]`.
 fn waits(machine: &Machine, row: &CodeRow) -> Vec<Value> {
     let rows = show::json_part(machine, Show::All);
     let rows = rows.at("sync").at("waits").as_array().cloned().unwrap_or_default();
     let own = machine.sync.waits.iter().zip(rows).filter(|(wait, _)| wait.is_of(&row.form));
     own.map(|(_, value)| value).collect()
-}
-
-/// The refusals that the caller selects.
-pub(super) fn refusals(machine: &Machine, is: impl Fn(&Refusal) -> bool) -> Vec<Value> {
-    let all = show::json_part(machine, Show::Refusals);
-    let rows = all.at("refusals").as_array().cloned().unwrap_or_default();
-    let picked = machine.diagnostics.refusals.iter().zip(rows).filter(|(rule, _)| is(rule));
-    picked.map(|(_, value)| value).collect()
-}
-
-/// Whether a refusal names the code: in its block, as active, or as not active.
-fn of_code(rule: &Refusal, row: &CodeRow) -> bool {
-    let written = |code: &Written| match *code {
-        Written::Id(id) => id == row.id,
-        Written::Word { register, min, max } => {
-            form_range(&row.form).is_some_and(|(of, first, last)| of == register && first <= max && min <= last)
-        }
-    };
-    let state = |states: &[Active]| states.iter().any(|state| state.id == row.id);
-    rule.codes.iter().any(written) || state(&rule.active) || state(&rule.inactive)
-}
-
-/// Whether a refusal tests words of a register, in blocks with one of the codes if there are any.
-pub(super) fn looks_at(machine: &Machine, rule: &Refusal, register: RegisterId, codes: &[CodeRowId]) -> bool {
-    if !codes.is_empty() && !codes.iter().any(|id| of_code(rule, &machine.codes[*id])) {
-        return false;
-    }
-    let bit = register.bit();
-    (rule.with | rule.all | rule.without) & bit != 0 || rule.word.is_some_and(|word| word.register == register)
 }
 
 /// A range of words as programs write it: `TOOL CALL 0 to 32767`.

@@ -9,6 +9,7 @@ mod elsewhere;
 mod pages;
 mod programs;
 mod register;
+mod related;
 mod signs;
 mod text;
 mod trial;
@@ -301,7 +302,7 @@ impl Subject {
     /// A diagnostic or an alarm, with the changes of the machine.
     fn diagnostic(&self, asked: &str) -> Value {
         let page = macros::diagnostic(asked);
-        let refusals = code::refusals(&self.machine, |rule| rule.alarm.eq_ignore_ascii_case(asked));
+        let refusals = related::refusals(&self.machine, |rule| rule.alarm.eq_ignore_ascii_case(asked));
         if page.is_none() && refusals.is_empty() {
             return Value::Null;
         }

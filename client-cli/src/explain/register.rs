@@ -9,7 +9,7 @@ use counterpoint_kernel::machine::rows::{Excess, Point, Register, Zeros};
 use counterpoint_kernel::machine::show;
 use serde_json::{Value, json};
 
-use super::code;
+use super::related;
 
 /// A row of the data table with its meaning, the format of its number, and the codes that read it.
 pub(super) fn data(machine: &Machine, id: DataRowId) -> Value {
@@ -25,7 +25,7 @@ pub(super) fn data(machine: &Machine, id: DataRowId) -> Value {
         "meaning": meaning::of(name).unwrap_or_else(|| "data of the machine's own".to_owned()),
         "number": row.register.map(|id| number(&machine.registers[id])),
         "read_by": readers,
-        "macros": code::macros(machine, name),
+        "macros": related::macros(machine, name),
     });
     if let (Value::Object(value), Value::Object(more)) = (&mut value, more) {
         value.extend(more);
@@ -39,7 +39,7 @@ pub(super) fn register(machine: &Machine, id: RegisterId, codes: &[CodeRowId]) -
     let mut value = show::register_json(register);
     if let Value::Object(value) = &mut value {
         value.insert("number".to_owned(), json!(number(register)));
-        let refusals = code::refusals(machine, |rule| code::looks_at(machine, rule, id, codes));
+        let refusals = related::refusals(machine, |rule| related::looks_at(machine, rule, id, codes));
         value.insert("refusals".to_owned(), json!(refusals));
     }
     value

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
-use super::jwt::Key;
+use super::jwt::{Key, KeyRow};
 use super::{Identity, Role, token};
 use crate::option_file::OptionFile;
-use crate::tenant::{self, is_tenant};
+use crate::tenant::{is_tenant, no_tenant};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -40,22 +40,6 @@ struct CertificateRow {
     name: String,
     tenant: String,
     role: Role,
-}
-
-/// A key that signs tokens.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct KeyRow {
-    pub(super) kid: String,
-    pub(super) algorithm: String,
-    pub(super) public_key: String,
-    pub(super) issuer: Option<String>,
-    pub(super) audience: Option<String>,
-    /// Tenants that tokens signed with it may name; empty = any.
-    #[serde(default)]
-    pub(super) tenants: Vec<String>,
-    /// Highest role that they may have.
-    pub(super) most: Role,
 }
 
 #[derive(Debug)]
@@ -139,10 +123,6 @@ impl Known {
 
 fn identity(place: &str, name: String, tenant: String, role: Role) -> Result<Arc<Identity>, String> {
     if is_tenant(&tenant) { Ok(Arc::new(Identity { name, tenant, role })) } else { Err(no_tenant(place, &tenant)) }
-}
-
-pub(super) fn no_tenant(place: &str, tenant: &str) -> String {
-    format!("{place}: '{tenant}' is not a tenant: expected {}", tenant::RULE)
 }
 
 fn first(digest: &[u8; 32]) -> [u8; 8] {

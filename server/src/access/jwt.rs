@@ -13,13 +13,28 @@ use jsonwebtoken::{Algorithm, DecodingKey, DecodingKeyKind, Validation, decode, 
 use ring::signature::{ED25519, RSA_PKCS1_2048_8192_SHA256, UnparsedPublicKey, VerificationAlgorithm};
 use serde::Deserialize;
 
-use super::file::{KeyRow, no_tenant};
 use super::{Identity, Role};
-use crate::tenant::is_tenant;
+use crate::tenant::{is_tenant, no_tenant};
 
 /// Seconds since 1970.
 pub(super) fn now_s() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
+}
+
+/// A key that signs tokens.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeyRow {
+    pub(super) kid: String,
+    pub(super) algorithm: String,
+    pub(super) public_key: String,
+    pub(super) issuer: Option<String>,
+    pub(super) audience: Option<String>,
+    /// Tenants that tokens signed with it may name; empty = any.
+    #[serde(default)]
+    pub(super) tenants: Vec<String>,
+    /// Highest role that they may have.
+    pub(super) most: Role,
 }
 
 /// A key that verifies tokens.

@@ -337,6 +337,14 @@ impl Bounded for v1::SubmitJobRequest {
     }
 }
 
+/// Refuses a text that is not the token of a page of jobs.
+pub(super) fn page_token(text: &str) -> Result<(), Refusal> {
+    match text.is_empty() || uuid::Uuid::try_parse(text).is_ok() {
+        true => Ok(()),
+        false => Err(Refusal::field("page_token", "is not a next_page_token of this call")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

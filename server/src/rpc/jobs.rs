@@ -12,7 +12,7 @@ use tonic::codec::SingleMessageCompressionOverride;
 use tonic::{Request, Response, Status};
 use tracing::Instrument as _;
 
-use super::door::enter;
+use super::door::{enter, page_token};
 use super::many::{self, Act, Choice};
 use super::{Jobs, blocking, job, submit, to_the_end, watch, watch_jobs};
 use crate::access::Caller;
@@ -57,14 +57,6 @@ async fn submitted(
         Ok((record, duplicate))
     };
     to_the_end(caller, submit).await
-}
-
-/// Refuses a text that is not the token of a page of jobs.
-pub(super) fn page_token(text: &str) -> Result<(), Refusal> {
-    match text.is_empty() || uuid::Uuid::try_parse(text).is_ok() {
-        true => Ok(()),
-        false => Err(Refusal::field("page_token", "is not a next_page_token of this call")),
-    }
 }
 
 /// A stream without compression, as almost every client says that it accepts gzip: to compress the events of a job

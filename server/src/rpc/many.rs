@@ -9,7 +9,7 @@ use counterpoint_proto::v1;
 use tokio::task::JoinSet;
 use tracing::Instrument as _;
 
-use super::jobs::page_token;
+use super::door::page_token;
 use super::{blocking, to_the_end};
 use crate::access::Caller;
 use crate::jobs::Core;

@@ -3,14 +3,12 @@
 //! Facts: reference control-emulator.md 2.1, 2.4, 8.1, 8.2. Invariant: the master works only while no channel does, so
 //! its changes of shared variables need no order. A machine with one channel has no master.
 
-use std::sync::Arc;
-
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 
 use super::Assembly;
+use super::again::{self, Again, At};
 use super::coordinator::switch::Switch;
-use super::rounds::Again;
 use counterpoint_emulator::channel::emit::Target;
 use counterpoint_emulator::macros::runtime::Runtime;
 use counterpoint_emulator::macros::store::names;
@@ -21,9 +19,6 @@ use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::model::Channel;
 use counterpoint_program::layout::first_main;
 use counterpoint_program::shape::Range;
-
-/// Where a kernel starts.
-pub(crate) type At = (FileId, Range, Arc<str>);
 
 /// Program and name of a kernel, and its first channel of the model, as Machine Startup left them.
 pub(super) type KernelInput = (String, String, f64);
@@ -168,7 +163,7 @@ impl<'a> Assembly<'a> {
         kernel.close_files(Halt::ProgramEnd(None));
         let restart = kernel.macros.course.restart.take();
         let restart = restart.filter(|_| !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked)));
-        let again = restart.and_then(|restart| super::rounds::restarted(&mut kernel, restart, wrong));
+        let again = restart.and_then(|restart| again::restarted(&mut kernel, restart, wrong));
         let tag = kernel.tag();
         kernel.ports.emitter.flush(tag);
         *kept_runtime = Some(std::mem::take(&mut kernel.macros));

@@ -4,6 +4,7 @@
 //! results. It merges their events into the ordered log if a log is requested, and closes the job. Facts: reference
 //! control-emulator.md 2.1, 2.4, 8.
 
+mod again;
 mod master;
 mod one_thread;
 mod rounds;
@@ -11,10 +12,11 @@ mod rounds;
 use counterpoint_sync::{backlog, channels, coordinator, merge, shared, stream};
 use std::sync::OnceLock;
 
+use again::At;
 use backlog::Backlog;
 use coordinator::Coordinator;
 use coordinator::switch::{Port, Switch};
-use master::{At, Master};
+use master::Master;
 use merge::{End, Feeder, Merger};
 use rounds::Round;
 use stream::Stream;

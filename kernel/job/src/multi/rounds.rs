@@ -3,22 +3,20 @@
 //! Facts: reference control-emulator.md 5.8. Invariant: between two rounds no kernel runs. The next round starts at the
 //! time at which the log of the previous round ended, one microstep later, so the log stays in order.
 
+use super::again::Again;
 use super::channels::Channels;
 use super::coordinator::Coordinator;
-use super::master::{At, Master};
+use super::master::Master;
 use super::shared::{Shared, Spindle};
 use super::{Assembly, Start};
 use crate::prepared::Job;
-use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::carried::{Carried, Lived};
-use counterpoint_emulator::macros::parts::Restart;
 use counterpoint_emulator::waits::{of_axis, rules};
 use counterpoint_event::event::{Event, FileId, Kind, Phase};
-use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 use counterpoint_machine::Machine;
+use counterpoint_program::presets;
 use counterpoint_program::spec::Spec;
-use counterpoint_program::{layout, presets};
 use counterpoint_sync::merge::Message;
 use counterpoint_sync::races::Races;
 use counterpoint_sync::tag::Tag;
@@ -40,14 +38,6 @@ pub(super) struct Round {
     shared: Option<Shared>,
     /// Meetings so far.
     sync_points: u64,
-}
-
-/// Request of Machine Shutdown for the next run.
-pub(super) struct Again {
-    /// Kernels with a program.
-    pub(super) programs: Vec<(u16, At)>,
-    /// As if the file were the first one.
-    pub(super) reset: bool,
 }
 
 impl Round {
@@ -167,38 +157,4 @@ impl<'a> Assembly<'a> {
             sync_points,
         })
     }
-}
-
-/// Where the kernels continue with the file that Machine Shutdown named: its main programs from left to right, as for a
-/// job of this file alone. `wrong` says why the machine cannot be started again.
-pub(super) fn restarted(kernel: &mut Kernel<'_>, restart: Restart, wrong: Option<&str>) -> Option<Again> {
-    let Restart { file, line, reset } = restart;
-    let (info, machine) = (kernel.channel.env.info, kernel.channel.env.machine);
-    let name = info.file_name(file).to_owned();
-    let refused = |kernel: &mut Kernel<'_>, reason: &str| {
-        let text = format!("the machine is not restarted with line {line} of {name}: {reason}");
-        kernel.diagnose(&diag::NO_RESTART, text);
-        None
-    };
-    if let Some(reason) = wrong {
-        return refused(kernel, reason);
-    }
-    kernel.load(file).ok()?;
-    let ranges = kernel.channel.env.sources.whole(file).map(|source| layout::from_line(source, line, machine));
-    let channels = machine.channels.iter().map(|channel| channel.number);
-    let programs: Vec<(u16, At)> = channels
-        .zip(ranges.unwrap_or_default())
-        .filter_map(|(number, range)| {
-            let range = range?;
-            let name = match range.number {
-                Some(program) => format!("{name}#{program}"),
-                None => name.clone(),
-            };
-            Some((number, (file, range, name.into())))
-        })
-        .collect();
-    if programs.is_empty() {
-        return refused(kernel, "no main program of the file has that line or later ones");
-    }
-    Some(Again { programs, reset })
 }

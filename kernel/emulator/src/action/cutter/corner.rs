@@ -6,14 +6,16 @@
 
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Facts};
-use counterpoint_motion::contour::blend::{TooLong, blend, blend_reduced};
+use counterpoint_motion::contour::blend::{Cut, TooLong, blend, blend_reduced};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, plus};
 
-use super::{Cutter, Shape, Stage, Step, Waiting, compensated_plane, words};
+use super::{Cutter, Shape, Stage, Step, Waiting, compensated_plane};
 use crate::act::Act;
 use crate::action::entry::Contour;
 use crate::state::corner::{Asked, Corner, Side};
+use crate::state::modal::group;
 use counterpoint_event::event::FeedUnit;
+use counterpoint_machine::ident::{codes, data};
 
 /// Moves of the plane wait from here on, where compensation does not make them wait; whether there is a plane.
 pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
@@ -89,6 +91,16 @@ pub(super) fn end(act: &mut Act<'_, '_>) {
     {
         act.forget_cutter();
     }
+}
+
+/// The corner at the end of a move: its own, or the modal one.
+fn corner_at_end(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
+    let asked = act.cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
+    let rounding = act.state.place.frames.as_deref().and_then(|frames| frames.rounding);
+    let modal = act.state.remembered.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
+    let feed = asked.feed.or(modal);
+    let all = rounding.map(|radius| Corner { cut: Cut::Round(radius), side: None, feed, modal: true });
+    asked.corner.or_else(|| all.filter(|_| !rapid && act.state.modal.code(group::MOTION) != Some(codes::RAPID)))
 }
 
 impl Act<'_, '_> {
@@ -216,7 +228,7 @@ impl Act<'_, '_> {
 
     /// The corner at the end of the move of this block.
     pub(super) fn corner_of(&mut self, step: &Step) -> Option<Corner> {
-        words::corner_of(self, matches!(step.shape, Shape::Rapid))
+        corner_at_end(self, matches!(step.shape, Shape::Rapid))
     }
 
     /// A move without a corner at its end, where only corners make moves wait.

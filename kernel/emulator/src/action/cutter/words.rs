@@ -10,7 +10,6 @@ use counterpoint_motion::contour::blend::Cut;
 use super::corner;
 use crate::act::Act;
 use crate::state::corner::{Asked, Corner, Side};
-use crate::state::modal::group;
 
 /// Whether a move has words of corners or angles in its block.
 #[inline(always)]
@@ -198,14 +197,4 @@ fn modal_rounding(act: &mut Act<'_, '_>) {
     } else {
         act.frames_changed();
     }
-}
-
-/// The corner at the end of a move: its own, or the modal one.
-pub(super) fn corner_of(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
-    let asked = act.cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
-    let rounding = act.state.place.frames.as_deref().and_then(|frames| frames.rounding);
-    let modal = act.state.remembered.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
-    let feed = asked.feed.or(modal);
-    let all = rounding.map(|radius| Corner { cut: Cut::Round(radius), side: None, feed, modal: true });
-    asked.corner.or_else(|| all.filter(|_| !rapid && act.state.modal.code(group::MOTION) != Some(codes::RAPID)))
 }
