@@ -275,8 +275,14 @@ fn shown(kind: &Kind, value: &Value) -> String {
 /// A line as the value of a field.
 fn read(kind: &Kind, line: &str) -> Result<Value, String> {
     match kind {
-        Kind::LongestText(_) => Ok(Value::Text(line.to_owned())),
-        Kind::Number(_) => line.parse().map(Value::Number).map_err(|_| format!("'{line}' is not a valid number")),
+        Kind::LongestText(longest) => match line.chars().count() {
+            count if count > *longest as usize => Err(format!("the text has {count} characters: at most {longest}")),
+            _ => Ok(Value::Text(line.to_owned())),
+        },
+        Kind::Number(_) => match line.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(Value::Number(number)),
+            _ => Err(format!("'{line}' is not a valid number")),
+        },
         Kind::Check(_) => match line.to_lowercase().as_str() {
             "y" | "yes" | "true" | "on" | "1" => Ok(Value::Flag(true)),
             "n" | "no" | "false" | "off" | "0" => Ok(Value::Flag(false)),
@@ -300,6 +306,17 @@ mod tests {
     fn a_question_before_the_first_block_has_no_line() {
         assert_eq!(place("a.nc", 12), ", a.nc line 12");
         assert_eq!((place("a.nc", 0), place("", 0)), (", a.nc".to_owned(), String::new()));
+    }
+
+    #[test]
+    fn input_that_the_server_refuses_is_asked_for_again() {
+        let (text, number) = (Kind::LongestText(3), Kind::Number(v1::NumberField::default()));
+        assert_eq!(read(&text, "äöü"), Ok(Value::Text("äöü".to_owned())));
+        assert_eq!(read(&text, "abcd"), Err("the text has 4 characters: at most 3".to_owned()));
+        assert_eq!(read(&number, "-1.5"), Ok(Value::Number(-1.5)));
+        for line in ["nan", "inf", "1e999", "x"] {
+            assert_eq!(read(&number, line), Err(format!("'{line}' is not a valid number")));
+        }
     }
 
     #[test]

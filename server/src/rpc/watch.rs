@@ -268,7 +268,7 @@ impl Watch {
             position: self.cursor,
             channels: self.live.run().map(|run| progress::channels(&run)).unwrap_or_default(),
             queued_before: self.core.queued_before(&self.live.id) as u32,
-            cancel_requested: self.live.cancelled() && !self.live.state().ended(),
+            cancel_requested: self.live.peek(|record| record.cancel && !record.state.ended()),
         };
         if first || progress != self.last_progress || self.sent_at.elapsed() >= self.heartbeat {
             self.last_progress = progress.clone();

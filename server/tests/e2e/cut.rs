@@ -275,3 +275,36 @@ async fn a_change_whose_deadline_passes_is_made_whole_and_noted_with_its_job() {
     let late: Vec<_> = lines(&audit).into_iter().filter(|(.., code)| code == "DeadlineExceeded").collect();
     assert_eq!(late, expected);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_watch_shows_a_cancel_whose_run_has_not_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let token = grant(&options, "one", "one", Role::Operate);
+    let cut = Cut::start(Options { workers: 1, ..options }, &token).await;
+    let running = cut.submit("running", "EVENTS 9\nHANG", v1::JobOptions::default()).await;
+    cut.until(&running, |status| status.state() == v1::JobState::Running).await;
+    let request = v1::WatchJobRequest { job_id: running.clone(), heartbeat_ms: 100, ..Default::default() };
+    let mut watch = cut.caller.jobs().watch_job(request).await.unwrap().into_inner();
+    // The run is asked to stop once the cancel is durable.
+    cut.gate.set(true);
+    let (mut jobs, job_id) = (cut.caller.jobs(), running.clone());
+    let cancel = tokio::spawn(async move { jobs.cancel_job(v1::CancelJobRequest { job_id }).await });
+    cut.gate.held.notified().await;
+    let shown = async {
+        loop {
+            let message = watch.message().await.unwrap().expect("the job runs");
+            match message.content {
+                Some(v1::watch_job_response::Content::Progress(now)) if now.cancel_requested => return now.state(),
+                _ => {}
+            }
+        }
+    };
+    let state = tokio::time::timeout(Duration::from_secs(20), shown).await.expect("the watch shows the cancel");
+    assert_eq!(state, v1::JobState::Running);
+    assert!(cut.status(&running).await.cancel_requested);
+    cut.gate.set(false);
+    cancel.await.unwrap().unwrap();
+    assert_eq!(cut.caller.wait(&running).await.state(), v1::JobState::Cancelled);
+    cut.server.stop().await;
+}
