@@ -491,11 +491,11 @@ async fn urgent_jobs_go_first_and_a_deadline_ends_a_job_that_waits_or_runs() {
     assert_eq!(status.cause(), v1::JobCause::Limit);
     // The job may have begun before it is stopped.
     let text = status.verdict + &status.error;
-    let late = "the job had not ended at its deadline, 1970-01-01 00:00:00 UTC: submit it again with a later deadline";
-    assert!(text.starts_with(late), "{text}");
+    let says = "the job had not ended at its deadline, 1970-01-01 00:00:00 UTC: submit it again with a later deadline";
+    assert!(text.starts_with(says), "{text}");
     // The ends are in the ledger.
     server.stop().await;
     let server = Server::start(options(folder.path())).await;
-    assert_eq!(server.status(late).await.cause(), v1::JobCause::Limit);
+    assert_eq!(server.status(&late).await.cause(), v1::JobCause::Limit);
     server.stop().await;
 }
