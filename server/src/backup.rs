@@ -291,7 +291,7 @@ mod tests {
         let data = folder.path().join("data");
         fs::create_dir_all(data.join("tmp")).unwrap();
         fs::write(data.join("ledger.redb"), "").unwrap();
-        for inside in ["data", "data/backup", "data/tmp/a/b", "data/../data/backup"] {
+        for inside in ["data", "data/backup", "data/new/deep", "data/../data/backup"] {
             let error = backup(&data, &folder.path().join(inside)).unwrap_err();
             assert!(error.contains("choose a folder outside of it"), "{error}");
         }

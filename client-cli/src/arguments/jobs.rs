@@ -161,6 +161,9 @@ pub(crate) struct Status {
     pub(crate) remote: Remote,
 }
 
+/// Arguments of a filter, one of which must be given to select jobs.
+const FILTERS: [&str; 4] = ["state", "machine", "labels", "since"];
+
 /// Arguments that select the jobs of `wait`; one of them must be given.
 const AWAITED: [&str; 6] = ["jobs", "state", "machine", "labels", "since", "all"];
 
@@ -174,7 +177,7 @@ pub(crate) struct Wait {
     #[command(flatten)]
     pub(crate) filter: JobFilter,
     /// Wait for all your jobs that have not ended
-    #[arg(long, conflicts_with_all = ["state", "machine", "labels", "since"])]
+    #[arg(long, conflicts_with_all = FILTERS)]
     pub(crate) all: bool,
     #[command(flatten)]
     pub(crate) remote: Remote,
@@ -202,7 +205,7 @@ pub(crate) struct Many {
     #[command(flatten)]
     pub(crate) filter: JobFilter,
     /// Select all your jobs
-    #[arg(long, conflicts_with_all = ["state", "machine", "labels", "since"])]
+    #[arg(long, conflicts_with_all = FILTERS)]
     pub(crate) all: bool,
     /// Print the ids of the jobs that the filter selects, and change nothing
     #[arg(long)]

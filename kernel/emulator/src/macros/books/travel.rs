@@ -17,8 +17,8 @@ const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 #[derive(Debug, Default)]
 pub(crate) struct Travel {
     pub(crate) rows: Vec<Row>,
-    /// The row of the last motion, and what its columns and those of the first row have in common: motions within that
-    /// range change nothing.
+    /// The row of the last motion, and for each column the range that this row and the first row share: a motion within
+    /// it changes nothing.
     last: Option<(usize, [(f64, f64); COLUMNS])>,
 }
 
