@@ -145,6 +145,20 @@ fn a_move_that_waits_behind_a_meeting_keeps_its_place() {
     }
 }
 
+/// A move that waits under compensation is made before tool tip control ends: its points are those of the tip.
+#[test]
+fn a_move_that_waits_is_made_under_the_tip_control_of_its_block() {
+    for moves in ["G53 G1 X2. C3.\nG0 X0. Y0.", "G53 G0 C3.\nG0 X0. Y0.", "G1 X2. C3.\nG0 X0. Y0.", "G1 X2. C3.\nX-9."]
+    {
+        for on in ["G43.4", "G43.5"] {
+            let text = format!(
+                "O1\nG90 G17 G94 F500\nG0 X20. Y1. Z5.\nG0 G42 D2 X3. Y1.\n{on} H2\n{moves}\nG49\nX-15. Y3.\nG40 Y50.\nM30\n"
+            );
+            run(machine(true, Macros::None), &[text]).unwrap();
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: cases(100), failure_persistence: None, ..ProptestConfig::default() })]
 

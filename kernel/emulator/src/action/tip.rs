@@ -70,8 +70,11 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
     Ok(())
 }
 
-/// Switches it off.
+/// Switches it off. A move that waits has points of the tip, so it is made before.
 pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
+    if act.tip().is_some() {
+        act.flush_lookahead()?;
+    }
     if act.end_tip() {
         act.emit(0, Kind::mode("rtcp off"));
     }
