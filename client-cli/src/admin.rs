@@ -5,6 +5,7 @@ use counterpoint_proto::v1;
 use crate::arguments::Admin;
 use crate::client::Client;
 use crate::error::Error;
+use crate::job_status::awaited;
 use crate::say;
 use crate::text::table;
 
@@ -85,12 +86,16 @@ async fn workers(client: &Client) -> Result<String, Error> {
     let alone = answer.workers.iter().filter(|worker| worker.suspect);
     let alone = alone.map(|worker| format!("job {} runs alone after a crash; other jobs wait\n", worker.job_id));
     let alone: String = alone.collect();
-    let row = |w: v1::WorkerInfo| {
-        vec![w.job_id, w.tenant, w.machine, w.attempt.to_string(), w.blocks.to_string(), w.events.to_string()]
-    };
-    let list = rows(&["job", "tenant", "machine", "run", "blocks", "events"], answer.workers.into_iter().map(row), 3);
+    let head = ["job", "tenant", "machine", "state", "run", "blocks", "events"];
+    let list = rows(&head, answer.workers.into_iter().map(worker), 4);
     let v1::ListWorkersResponse { slots, storing, queued, .. } = answer;
     Ok(format!("{list}{alone}{running} of {slots} workers run jobs, {storing} jobs are being stored, {queued} wait\n"))
+}
+
+/// A running job of the list.
+fn worker(w: v1::WorkerInfo) -> Vec<String> {
+    let state = w.operator_wait.map_or_else(|| "runs".to_owned(), |wait| format!("waits for {}", awaited(&wait)));
+    vec![w.job_id, w.tenant, w.machine, state, w.attempt.to_string(), w.blocks.to_string(), w.events.to_string()]
 }
 
 /// The answer to a request for a shutdown.
@@ -105,7 +110,14 @@ fn drained(running: u32, grace_s: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::drained;
+    use super::*;
+
+    #[test]
+    fn a_worker_whose_job_waits_for_a_client_says_so() {
+        let wait = v1::OperatorWait { action: v1::OperatorAction::Answer.into(), since_ms: 1 };
+        let waits = v1::WorkerInfo { operator_wait: Some(wait), ..Default::default() };
+        assert_eq!((&*worker(waits)[3], &*worker(v1::WorkerInfo::default())[3]), ("waits for an operator", "runs"));
+    }
 
     #[test]
     fn the_jobs_of_a_shutdown_are_counted_in_words() {

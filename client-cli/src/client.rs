@@ -131,9 +131,9 @@ impl Client {
         self.server.watch(job, level)
     }
 
-    /// Waits for the end of a job.
-    pub(crate) async fn wait(&self, job: &str) -> Result<v1::JobStatus, Error> {
-        Ok(self.server.wait(job).await?)
+    /// Waits for the end of a job. `look` gets its status every few seconds until then.
+    pub(crate) async fn wait(&self, job: &str, look: impl FnMut(&v1::JobStatus)) -> Result<v1::JobStatus, Error> {
+        Ok(self.server.wait_and_look(job, look).await?)
     }
 
     /// Submits a job.

@@ -10,7 +10,7 @@ use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::event_line::event_line;
-use crate::job_status::json_line;
+use crate::job_status::{held, json_line};
 use crate::many::Act;
 use crate::outcome::{ended, ended_by_name};
 use crate::output_folder::{OutputFolder, drawn_timeline};
@@ -72,7 +72,7 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let (client, job) = connected(&arguments).await?;
     let mut progress = Progress::new(arguments.quiet);
     let mut watch = client.watch(&job, v1::WatchLevel::Diagnostics);
-    let mut files = Vec::new();
+    let (mut files, mut said) = (Vec::new(), None);
     loop {
         match watch.next().await.map_err(|error| Error::from(error).of_job(&job))? {
             Update::Events(batch) => {
@@ -80,7 +80,14 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
                     say::data(line.as_bytes())?;
                 }
             }
-            Update::Progress(now) => progress.show(&now),
+            Update::Progress(now) => {
+                progress.show(&now);
+                let held = held(&job, now.operator_wait.as_ref(), now.paused);
+                if held != said {
+                    held.iter().for_each(|held| progress.note(held));
+                    said = held;
+                }
+            }
             Update::Ended(status) => {
                 progress.clear();
                 return Ok(ended(&status, strict));
@@ -122,8 +129,17 @@ async fn wait(arguments: Wait) -> Result<u8, Error> {
     let client = Client::connect_as(&arguments.remote.server, arguments.quiet).await?;
     let Wait { quiet, strict, json, .. } = arguments;
     let mut code = 0;
-    for job in &jobs::awaited(&client, &arguments).await? {
-        let status = client.wait(job).await.map_err(|error| error.of_job(job))?;
+    for job in &jobs::to_wait_for(&client, &arguments).await? {
+        let mut said = None;
+        let say_held = |status: &v1::JobStatus| {
+            let kind = (status.paused, status.operator_wait.map(|wait| wait.action));
+            if !quiet && said.replace(kind) != Some(kind) {
+                held(job, status.operator_wait.as_ref(), status.paused).iter().for_each(|held| {
+                    say::status_line(format!("{job}  {held}"));
+                });
+            }
+        };
+        let status = client.wait(job, say_held).await.map_err(|error| error.of_job(job))?;
         if json {
             say::verdict(json_line(&status).as_bytes())?;
         }

@@ -1,6 +1,7 @@
 //! The status of a job as words, and as JSON.
 
 use counterpoint_proto::v1;
+use counterpoint_server::utc::instant;
 
 use crate::arguments::NAME;
 use crate::text::time;
@@ -36,6 +37,31 @@ pub(crate) fn waits(job: &v1::JobStatus) -> Option<String> {
         id => id,
     };
     job.waits_for_suspect.then(|| format!("waits while {suspect}, suspected of the last crash, runs alone"))
+}
+
+/// The kind of client for which a running job waits: `an operator`, `a step command`.
+pub(crate) fn awaited(wait: &v1::OperatorWait) -> &'static str {
+    match wait.action() {
+        v1::OperatorAction::Command => "a step command",
+        v1::OperatorAction::Answer | v1::OperatorAction::Unspecified => "an operator",
+    }
+}
+
+/// The wait of a running job for a client, and the command that ends the wait.
+pub(crate) fn waits_for_client(job: &str, wait: &v1::OperatorWait) -> String {
+    let command = match wait.action() {
+        v1::OperatorAction::Command => "step",
+        v1::OperatorAction::Answer | v1::OperatorAction::Unspecified => "attend",
+    };
+    format!("waits for {} since {} UTC: counterpoint {command} {job}", awaited(wait), instant(wait.since_ms))
+}
+
+/// The action that a job needs in order to continue: the wait for a client, or the pause.
+pub(crate) fn held(job: &str, wait: Option<&v1::OperatorWait>, paused: bool) -> Option<String> {
+    match wait {
+        _ if paused => Some(format!("paused: counterpoint resume {job}")),
+        wait => wait.map(|wait| waits_for_client(job, wait)),
+    }
 }
 
 /// The simulated time of an ended job; `None` if no run has finished.
@@ -124,6 +150,10 @@ fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     if job.paused {
         add("paused", true.into());
     }
+    if let Some(wait) = &job.operator_wait {
+        let action = wait.action().as_str_name().trim_start_matches("OPERATOR_ACTION_");
+        add("operator_wait", serde_json::json!({ "action": action, "since_ms": wait.since_ms }));
+    }
     if job.cancel_requested {
         add("cancel_requested", true.into());
     }
@@ -160,6 +190,21 @@ mod tests {
         assert_eq!(shown(v1::JobState::Queued, true), "CANCELLING");
         assert_eq!(shown(v1::JobState::Cancelled, false), "CANCELLED");
         assert_eq!(shown(v1::JobState::Succeeded, false), "SUCCEEDED", "it ended before it could stop");
+    }
+
+    #[test]
+    fn a_job_that_waits_for_a_client_names_the_command() {
+        let wait = |action: v1::OperatorAction| v1::OperatorWait { action: action.into(), since_ms: 1000 };
+        let answer = wait(v1::OperatorAction::Answer);
+        let text = "waits for an operator since 1970-01-01 00:00:01 UTC: counterpoint attend a";
+        assert_eq!(held("a", Some(&answer), false).as_deref(), Some(text));
+        let text = "waits for a step command since 1970-01-01 00:00:01 UTC: counterpoint step a";
+        assert_eq!(held("a", Some(&wait(v1::OperatorAction::Command)), false).as_deref(), Some(text));
+        assert_eq!(held("a", Some(&answer), true).as_deref(), Some("paused: counterpoint resume a"));
+        assert_eq!(held("a", None, false), None);
+        let job = v1::JobStatus { operator_wait: Some(answer), ..Default::default() };
+        assert_eq!(as_json(&job)["operator_wait"], serde_json::json!({ "action": "ANSWER", "since_ms": 1000 }));
+        assert_eq!(as_json(&v1::JobStatus::default()).get("operator_wait"), None);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use counterpoint_server::utc::{date_and_time, instant};
 use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Wait, Watch, When};
 use crate::client::{Client, Submitted};
 use crate::error::Error;
-use crate::job_status::{json_line, labels, programs, ran_ms, simulated, state_name, waits};
+use crate::job_status::{awaited, json_line, labels, programs, ran_ms, simulated, state_name, waits, waits_for_client};
 use crate::text::{table, time};
 use crate::{job_names, say};
 
@@ -140,7 +140,7 @@ async fn listed(client: &Client, mut request: v1::ListJobsRequest, most: usize) 
 }
 
 /// Ids of the jobs whose ends are awaited: those that are named, those of a filter, or all that have not ended.
-pub(crate) async fn awaited(client: &Client, arguments: &Wait) -> Result<Vec<String>, Error> {
+pub(crate) async fn to_wait_for(client: &Client, arguments: &Wait) -> Result<Vec<String>, Error> {
     if !arguments.jobs.is_empty() {
         let mut ids = Vec::new();
         for job in &arguments.jobs {
@@ -206,7 +206,8 @@ fn row(job: &v1::JobStatus, long: bool, now_ms: i64) -> Vec<String> {
     // The time at which a failed job stopped is not a cycle time.
     let cycle = simulated(job).filter(|_| job.state() == v1::JobState::Succeeded).unwrap_or_else(|| "-".to_owned());
     let (labels, submitted) = (labels(job), format!("{day} {submitted}"));
-    let state = state_name(job) + if job.suspect { " (suspect)" } else { "" };
+    let waits = job.operator_wait.as_ref().map(|wait| format!(" (waits for {})", awaited(wait))).unwrap_or_default();
+    let state = state_name(job) + if job.suspect { " (suspect)" } else { "" } + &waits;
     vec![id.clone(), state, submitted, started, ran, cycle, job.machine.clone(), labels, programs(job)]
 }
 
@@ -216,7 +217,8 @@ fn watched(job: &v1::JobStatus, json: bool) -> String {
         return json_line(job).trim_end().to_owned();
     }
     let line = format!("{}  {:<9}  {}  {}", job.job_id, state_name(job), job.machine, programs(job));
-    line + if job.reused_from.is_empty() { "" } else { "  (reused)" }
+    let waits = job.operator_wait.as_ref().map(|wait| format!("  {}", waits_for_client(&job.job_id, wait)));
+    line + if job.reused_from.is_empty() { "" } else { "  (reused)" } + &waits.unwrap_or_default()
 }
 
 /// The jobs of a filter that have ended since a time, ms since 1970, the first submitted one first.
@@ -259,5 +261,24 @@ pub(crate) async fn watch(arguments: Watch) -> Result<u8, Error> {
             }
         };
         say::data(format!("{line}\n").as_bytes())?;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_and_watches_show_the_wait_for_a_client() {
+        let job = v1::JobStatus {
+            job_id: "01938f2c".to_owned(),
+            state: v1::JobState::Running.into(),
+            operator_wait: Some(v1::OperatorWait { action: v1::OperatorAction::Command.into(), since_ms: 4000 }),
+            ..Default::default()
+        };
+        assert_eq!(row(&job, true, 5000)[1], "RUNNING (waits for a step command)");
+        let line = watched(&job, false);
+        let text = "  waits for a step command since 1970-01-01 00:00:04 UTC: counterpoint step 01938f2c";
+        assert!(line.starts_with("01938f2c  RUNNING") && line.ends_with(text), "{line}");
     }
 }

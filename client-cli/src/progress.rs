@@ -54,6 +54,15 @@ impl Progress {
         }
     }
 
+    /// Prints a line about the job.
+    pub(crate) fn note(&self, line: &str) {
+        match self {
+            Self::Quiet => {}
+            Self::Plain { .. } => say::status_line(line),
+            Self::Bars { all, .. } => all.suspend(|| say::status_line(line)),
+        }
+    }
+
     /// Removes the bars.
     pub(crate) fn clear(&mut self) {
         if let Self::Bars { all, .. } = self {

@@ -7,7 +7,7 @@ use crate::arguments::Status;
 use crate::client::Client;
 use crate::error::Error;
 use crate::job_status::{
-    first_error, json_line, labels, programs, ran_ms, simulated, simulated_label, state_name, waits,
+    first_error, json_line, labels, programs, ran_ms, simulated, simulated_label, state_name, waits, waits_for_client,
 };
 use crate::jobs::now_ms;
 use crate::outcome::errors;
@@ -65,6 +65,7 @@ fn shown(job: &v1::JobStatus, (pinned, source): (&str, String), now_ms: i64) -> 
         ("deadline", utc(job.deadline_ms)),
         ("attempts", count(job.attempt)),
         ("waits", waits(job).unwrap_or_default()),
+        ("waits", job.operator_wait.as_ref().map(|wait| waits_for_client(&job.job_id, wait)).unwrap_or_default()),
         ("suspect", if job.suspect { SUSPECT.to_owned() } else { String::new() }),
         ("rerun of", job.rerun_of.clone()),
         ("results of", source),
@@ -95,6 +96,7 @@ mod tests {
             labels: [("name".to_owned(), "bracket 17".to_owned()), ("shift".to_owned(), "early".to_owned())].into(),
             machine_guess: "T1 M6 (line 2)".to_owned(),
             suspect: true,
+            operator_wait: Some(v1::OperatorWait { action: v1::OperatorAction::Answer.into(), since_ms: 4000 }),
             priority: v1::JobPriority::Normal.into(),
             ..Default::default()
         };
@@ -109,6 +111,7 @@ mod tests {
                 "submitted     1970-01-01 00:00:01 UTC",
                 "started       1970-01-01 00:00:03 UTC",
                 "ran           00:01.500",
+                "waits         waits for an operator since 1970-01-01 00:00:04 UTC: counterpoint attend 01938f2c",
                 "suspect       the server died while this job was at work: it runs alone at first, and other jobs wait",
             ]
         );

@@ -76,6 +76,34 @@ fn several_jobs_are_awaited_and_each_end_names_its_job() {
     assert_eq!((code, talk.as_str()), (0, ""));
 }
 
+/// `submit` offers no answer to a job that waits for a client, so the commands that show the job name the next command.
+#[test]
+fn a_job_that_waits_for_a_client_or_is_paused_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let clean = program(folder.path(), "clean.nc", CLEAN);
+    let (_, job, talk) = server.call(&["submit", "--machine", "fanuc-mill", "--step", &clean]);
+    let expect = |command: &[&str], expected: &str| {
+        let mut child = server.command(command).stderr(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        let found = lines.by_ref().map_while(Result::ok).find(|line| line.contains(expected));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(found.is_some(), "{command:?}: {expected}; {talk}");
+    };
+    expect(&["wait", &job], &format!("{job}  waits for a step command since "));
+    expect(&["watch", &job], &format!("UTC: counterpoint step {job}"));
+    let (_, status, _) = server.call(&["status", &job, "--json"]);
+    let status: Value = serde_json::from_str(&status).unwrap();
+    assert_eq!((&status["state"], &status["operator_wait"]["action"]), (&"RUNNING".into(), &"COMMAND".into()));
+    assert!(server.call(&["status", &job]).1.contains("\nwaits         waits for a step command since "));
+    assert!(server.call(&["jobs"]).1.contains("RUNNING (waits for a step command)"));
+    assert!(server.call(&["admin", "workers"]).1.contains("waits for a step command"));
+    assert_eq!(server.call(&["pause", &job]).0, 0);
+    expect(&["wait", &job], &format!("{job}  paused: counterpoint resume {job}"));
+    expect(&["watch", &job], &format!("paused: counterpoint resume {job}"));
+}
+
 /// The keys are those of docs/cli.md.
 #[test]
 fn the_json_of_a_status_has_the_documented_keys() {

@@ -22,6 +22,9 @@ use crate::watch_jobs::WatchJobs;
 const ASK: usize = 10_000;
 /// Longest wait of one call, ms.
 const WAIT_MS: u64 = 60_000;
+/// Time of the first look at a job whose end is awaited, and between later looks, ms.
+const FIRST_LOOK_MS: u64 = 1_000;
+const LOOK_MS: u64 = 5_000;
 
 /// A connection to a server; cheap to clone. A lost one is made again with the next call.
 #[derive(Debug, Clone)]
@@ -31,6 +34,10 @@ pub struct Client(Connection);
 #[must_use]
 pub fn request_id() -> String {
     uuid::Uuid::now_v7().to_string()
+}
+
+fn has_ended(status: &v1::JobStatus) -> bool {
+    status.ended_ms != 0
 }
 
 impl Client {
@@ -152,14 +159,35 @@ impl Client {
     /// As [`Client::submit`].
     pub async fn wait(&self, job: &str) -> Result<v1::JobStatus, Error> {
         loop {
-            let request = v1::WaitJobRequest { job_id: job.to_owned(), timeout_ms: WAIT_MS };
-            let wait = async || Ok(self.jobs().wait_job(request.clone()).await?.into_inner().status);
-            match self.again(wait).await? {
-                Some(status) if status.ended_ms != 0 => return Ok(status),
-                Some(_) => {}
-                None => return Err(Error::Contract("a wait was answered without a status".to_owned())),
+            let status = self.wait_for(job, WAIT_MS).await?;
+            if has_ended(&status) {
+                return Ok(status);
             }
         }
+    }
+
+    /// Waits like [`Client::wait`]. Until the job has ended, `look` gets its status after a second and then every five
+    /// seconds: for example, the job may be paused or wait for an operator.
+    ///
+    /// # Errors
+    /// As [`Client::submit`].
+    pub async fn wait_and_look(&self, job: &str, mut look: impl FnMut(&v1::JobStatus)) -> Result<v1::JobStatus, Error> {
+        let mut timeout_ms = FIRST_LOOK_MS;
+        loop {
+            let status = self.wait_for(job, timeout_ms).await?;
+            if has_ended(&status) {
+                return Ok(status);
+            }
+            look(&status);
+            timeout_ms = LOOK_MS;
+        }
+    }
+
+    /// The status of a job at its end or after a time.
+    async fn wait_for(&self, job: &str, timeout_ms: u64) -> Result<v1::JobStatus, Error> {
+        let request = v1::WaitJobRequest { job_id: job.to_owned(), timeout_ms };
+        let wait = async || Ok(self.jobs().wait_job(request.clone()).await?.into_inner().status);
+        self.again(wait).await?.ok_or_else(|| Error::Contract("a wait was answered without a status".to_owned()))
     }
 
     /// Reads a result of an ended job.

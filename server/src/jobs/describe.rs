@@ -110,6 +110,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         // Only calls that ask for the state now fill these fields.
         waits_for_suspect: false,
         waits_for_job: String::new(),
+        operator_wait: None,
         // Only lists fill this field.
         short_id: String::new(),
     }

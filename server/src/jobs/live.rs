@@ -132,6 +132,16 @@ impl Live {
         self.desk.get_or_init(|| Arc::new(Desk::new()))
     }
 
+    /// Its desk, unless it has asked nothing and has no client that attends.
+    pub(super) fn desk_if_used(&self) -> Option<&Arc<Desk>> {
+        self.desk.get()
+    }
+
+    /// Its console, unless neither a run nor a client has used it.
+    pub(super) fn stepping_if_used(&self) -> Option<&Arc<Stepping>> {
+        self.stepping.get()
+    }
+
     /// The console of the job.
     pub(crate) fn stepping(&self) -> &Arc<Stepping> {
         self.stepping.get_or_init(|| Arc::new(Stepping::new()))

@@ -20,6 +20,7 @@ pub(crate) mod live;
 mod lock;
 mod observe;
 pub(crate) mod operator;
+pub(crate) mod operator_wait;
 pub(crate) mod progress;
 pub(crate) mod received;
 mod recent;
@@ -62,6 +63,7 @@ use feed::{Feed, Removed};
 pub(crate) use files::Sandbox;
 use flusher::Flusher;
 use live::Live;
+use operator_wait::KnownWaits;
 use shares::Shares;
 use streams::Streams;
 
@@ -149,6 +151,7 @@ impl Core {
         housekeeping::start(self)?;
         let core = Arc::downgrade(self);
         let mut writable = self.ledger.writable();
+        let mut waits = KnownWaits::default();
         std::thread::Builder::new().name("tick".to_owned()).spawn(move || {
             while let Some(core) = core.upgrade() {
                 if writable.has_changed().unwrap_or(false) && *writable.borrow_and_update() {
@@ -157,6 +160,7 @@ impl Core {
                 core.stop_late_jobs();
                 core.pump();
                 core.keep_cleared();
+                waits.tell(&core);
                 core.board.ticked();
                 drop(core);
                 std::thread::sleep(TICK);

@@ -19,6 +19,7 @@ use tokio::sync::watch;
 
 use super::growing::Growing;
 use super::live::lock;
+use crate::clock::now_ms;
 
 /// Where dialogs wait.
 #[derive(Debug)]
@@ -48,6 +49,8 @@ struct Inner {
 struct Open {
     channel: u16,
     question: v1::Question,
+    /// When it was asked, ms since 1970.
+    since_ms: i64,
     /// An answer is being made durable.
     claimed: bool,
     /// The answer; `Some(None)` = declined.
@@ -123,6 +126,11 @@ impl Desk {
     /// Channels that wait for an answer.
     pub(crate) fn asking(&self) -> usize {
         lock(&self.inner).open.values().filter(|open| open.answer.is_none()).count()
+    }
+
+    /// When the first of the open questions was asked, ms since 1970.
+    pub(super) fn asking_since(&self) -> Option<i64> {
+        lock(&self.inner).open.values().filter(|open| open.answer.is_none()).map(|open| open.since_ms).min()
     }
 
     /// Claims a question in order to answer it; `None` if the question is closed.
@@ -203,7 +211,8 @@ impl Desk {
         if inner.closed {
             return Outcome::Closed;
         }
-        let open = Open { channel: question.channel, question: wire(id, question), claimed: false, answer: None };
+        let (channel, question) = (question.channel, wire(id, question));
+        let open = Open { channel, question, since_ms: now_ms(), claimed: false, answer: None };
         inner.open.insert(id, open);
         let until = Instant::now() + inner.patience;
         drop(inner);

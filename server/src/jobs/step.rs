@@ -13,6 +13,7 @@ use counterpoint_kernel::operator::{Command, Console, Heard, Said};
 use tokio::sync::mpsc;
 
 use super::live::lock;
+use crate::clock::now_ms;
 
 /// Where the commands for a job wait.
 #[derive(Debug)]
@@ -33,6 +34,8 @@ struct Inner {
     stop: Option<Said>,
     /// When the run came to a stand, or the last command came.
     since: Instant,
+    /// The same time, ms since 1970.
+    since_ms: i64,
     /// The client wants no more stops, in later runs of the job neither.
     detached: bool,
     patience: Duration,
@@ -40,8 +43,9 @@ struct Inner {
 
 impl Stepping {
     pub(crate) fn new() -> Self {
-        let (commands, since) = (VecDeque::new(), Instant::now());
-        let inner = Inner { commands, client: None, stop: None, since, detached: false, patience: Duration::ZERO };
+        let (commands, since, since_ms) = (VecDeque::new(), Instant::now(), now_ms());
+        let patience = Duration::ZERO;
+        let inner = Inner { commands, client: None, stop: None, since, since_ms, detached: false, patience };
         Self { inner: Mutex::new(inner), came: Condvar::new(), pending: AtomicBool::new(false) }
     }
 
@@ -76,7 +80,7 @@ impl Stepping {
         let mut inner = lock(&self.inner);
         inner.detached |= command == Command::Detach;
         inner.commands.push_back(command);
-        inner.since = Instant::now();
+        inner.begin_wait();
         self.pending.store(true, Ordering::Release);
         drop(inner);
         self.came.notify_all();
@@ -84,8 +88,13 @@ impl Stepping {
 
     /// Whether the run is paused, so that it takes no processor time until a command comes.
     pub(crate) fn stands(&self) -> bool {
+        self.stands_since().is_some()
+    }
+
+    /// Since when the run waits for a command, ms since 1970.
+    pub(super) fn stands_since(&self) -> Option<i64> {
         let inner = lock(&self.inner);
-        inner.stop.is_some() && inner.commands.is_empty()
+        (inner.stop.is_some() && inner.commands.is_empty()).then_some(inner.since_ms)
     }
 
     fn taken(&self, inner: &mut Inner) -> Heard {
@@ -96,6 +105,11 @@ impl Stepping {
 }
 
 impl Inner {
+    /// The run waits for the next command from now on.
+    fn begin_wait(&mut self) {
+        (self.since, self.since_ms) = (Instant::now(), now_ms());
+    }
+
     fn take(&mut self) -> Option<Command> {
         let command = self.commands.pop_front().or_else(|| self.detached.then_some(Command::Detach))?;
         if command.runs() || command == Command::Detach {
@@ -135,7 +149,8 @@ impl Console for Stepping {
     fn say(&self, said: Said) {
         let mut inner = lock(&self.inner);
         if matches!(said, Said::Stopped(_)) {
-            (inner.stop, inner.since) = (Some(said.clone()), Instant::now());
+            inner.stop = Some(said.clone());
+            inner.begin_wait();
         }
         if let Some(client) = &inner.client {
             let _ = client.send(said);

@@ -52,6 +52,7 @@ fn connections_page(all: impl Iterator<Item = v1::ConnectionInfo>, size: usize) 
 
 /// A running job.
 fn worker(live: &Live) -> v1::WorkerInfo {
+    let operator_wait = live.operator_wait();
     let record = live.record();
     let progress = live.run().map(|run| {
         let channels = run.control.progress().iter();
@@ -66,6 +67,7 @@ fn worker(live: &Live) -> v1::WorkerInfo {
         blocks: progress.unwrap_or(0),
         events: live.tail().position().last_seq,
         suspect: record.runs.suspect,
+        operator_wait,
     }
 }
 

@@ -19,6 +19,7 @@ use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::{description, options, status};
 use crate::jobs::filter::{Filter, States};
+use crate::jobs::operator_wait::status_now;
 use crate::jobs::suspicion::LoneSuspect;
 use crate::ledger::record::Record;
 use crate::ledger::{NewJob, PAGE_BYTES, Query};
@@ -103,7 +104,7 @@ impl Service for Jobs {
             };
             let (options, pinned_machine) = (options(&record, &work), record.machine.full_name());
             let file = |(path, digest): (String, String)| v1::FileRef { path, digest };
-            let mut status = status(record);
+            let mut status = status_now(&core, record);
             LoneSuspect::of(&core).iter().for_each(|alone| alone.mark(&mut status));
             let answer = v1::GetJobResponse {
                 files: work.files.into_iter().map(file).collect(),
@@ -140,7 +141,8 @@ impl Service for Jobs {
             };
             let page = core.ledger.jobs(&query)?;
             let taken = core.memory().take_for_answer(ANSWER_COPIES * page.bytes)?;
-            let mut jobs: Vec<_> = page.jobs.into_iter().map(|record| status(core.current(record))).collect();
+            let mut jobs: Vec<_> =
+                page.jobs.into_iter().map(|record| status_now(&core, core.current(record))).collect();
             for (job, short_id) in jobs.iter_mut().zip(page.short_ids) {
                 job.short_id = short_id;
             }
@@ -176,7 +178,7 @@ impl Service for Jobs {
                 _ = tokio::time::timeout(Duration::from_millis(timeout), ended) => {}
                 _ = drain.wait_for(|begun| *begun) => return Err(Refusal::Draining { cursor: 0 }.into()),
             }
-            return Ok(Response::new(v1::WaitJobResponse { status: Some(status(live.record())) }));
+            return Ok(Response::new(v1::WaitJobResponse { status: Some(status_now(&self.0, live.record())) }));
         }
         Ok(Response::new(v1::WaitJobResponse { status: Some(status(record)) }))
     }

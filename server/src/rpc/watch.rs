@@ -269,6 +269,8 @@ impl Watch {
             channels: self.live.run().map(|run| progress::channels(&run)).unwrap_or_default(),
             queued_before: self.core.queued_before(&self.live.id) as u32,
             cancel_requested: self.live.peek(|record| record.cancel && !record.state.ended()),
+            operator_wait: self.live.operator_wait(),
+            paused: self.live.peek(|record| record.paused && !record.state.ended()),
         };
         if first || progress != self.last_progress || self.sent_at.elapsed() >= self.heartbeat {
             self.last_progress = progress.clone();

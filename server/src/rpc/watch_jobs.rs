@@ -17,9 +17,9 @@ use tonic::Status;
 use super::blocking;
 use super::watch::{Over, SMALLEST, heartbeat};
 use crate::jobs::Core;
-use crate::jobs::describe::status;
 use crate::jobs::feed::Change;
 use crate::jobs::filter::{Filter, OPEN};
+use crate::jobs::operator_wait::status_now;
 use crate::ledger::{PAGE_BYTES, Query};
 use crate::reason::Refusal;
 
@@ -123,7 +123,8 @@ impl WatchJobs {
             let (jobs, next) = blocking(move || {
                 let page = core.ledger.jobs(&query)?;
                 let jobs = page.jobs.into_iter().map(|record| core.current(record));
-                let changes: Vec<_> = jobs.filter(|record| filter.takes(record)).map(|r| change(status(r))).collect();
+                let changes: Vec<_> =
+                    jobs.filter(|record| filter.takes(record)).map(|r| change(status_now(&core, r))).collect();
                 Ok((changes, page.next))
             })
             .await?;
@@ -152,7 +153,7 @@ impl WatchJobs {
                 }
                 match core.job(&id) {
                     Ok(record) if filter.takes(&record) => {
-                        let change = change(status(record));
+                        let change = change(status_now(&core, record));
                         bytes += change.encoded_len() as u64;
                         read.push(change);
                     }

@@ -64,6 +64,7 @@ mod memory;
 mod messages;
 mod metrics;
 mod operator;
+mod operator_wait;
 mod otlp;
 #[cfg(target_os = "linux")]
 mod output;
