@@ -4,6 +4,7 @@
 //! for the machines that have the trait, and against those that do not. *Invariant:* a machine is chosen only if all
 //! its traits show, or if no other machine has as many channels.
 
+use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use super::controls::{Control, decide};
@@ -264,7 +265,37 @@ impl<'c> Judge<'c> {
         if best.by < against * 2 {
             return Err(self.disagree(best));
         }
+        self.check_axes(machine)?;
         Ok(Guess { machine: machine.candidate.name.clone(), why: self.why(machine, channels) })
+    }
+
+    /// Refuses a machine that is guessed by its rotary axes and lacks one that the programs move.
+    fn check_axes(&self, machine: &Machine<'_>) -> Result<(), String> {
+        let traits = |machine: &'_ Machine<'c>| machine.candidate.signs.traits.iter().flat_map(|(_, rows)| rows);
+        let by_axes = machine.candidate.signs.traits.iter().flat_map(|(_, rows)| rows);
+        if !by_axes.into_iter().any(|(pattern, _)| pattern.rotary_axes().len() > 1) {
+            return Ok(());
+        }
+        let of_axes = self.machines.iter().flat_map(traits).filter(|(pattern, _)| !pattern.rotary_axes().is_empty());
+        let rows: Vec<_> = of_axes.collect();
+        let shown = self.evidence.shown(rows.iter().copied());
+        let is_shown = |pattern: &Pattern| shown.iter().any(|sign| sign.pattern == pattern.text());
+        let moved: BTreeSet<char> = rows
+            .iter()
+            .filter(|(pattern, _)| is_shown(pattern))
+            .flat_map(|(pattern, _)| pattern.rotary_axes())
+            .collect();
+        if moved.iter().all(|letter| machine.candidate.axes.contains(letter)) {
+            return Ok(());
+        }
+        let name = &machine.candidate.name;
+        let list = |letters: Vec<char>| letters.iter().map(char::to_string).collect::<Vec<_>>().join(" and ");
+        let own = ['A', 'B', 'C'].into_iter().filter(|letter| machine.candidate.axes.contains(letter)).collect();
+        let (moved, own, places) = (list(moved.into_iter().collect()), list(own), self.evidence.named(&shown));
+        Err(self.for_control(&format!(
+            "the program moves {moved} ({places}): no shipped machine of its kind has {moved}; {name} has {own}. Make a \
+             machine of your own from it (counterpoint machine new DIR --from {name}), and change its axes"
+        )))
     }
 
     /// Signs speak for the best machine and against it.

@@ -50,6 +50,8 @@ pub struct Candidate {
     pub channels: usize,
     /// One file has the programs of all channels, in sections or under heads.
     pub whole_file: bool,
+    /// First letters of the names of its axes.
+    pub axes: Vec<char>,
     /// Its signs.
     pub signs: Signs,
 }

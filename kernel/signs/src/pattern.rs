@@ -105,6 +105,22 @@ impl Pattern {
         &self.text
     }
 
+    /// The letters of the rotary axes that it names, in the order of the alphabet; empty if it names anything else.
+    pub(crate) fn rotary_axes(&self) -> Vec<char> {
+        let letter = |alternatives: &Alternatives| match alternatives.0.as_slice() {
+            [(letter @ b'A'..=b'C', Value::Any)] => Some(char::from(*letter)),
+            _ => None,
+        };
+        let mut letters = Vec::new();
+        for part in &self.parts {
+            let Part::Words(words) = part else { return Vec::new() };
+            let Some(of_part) = words.with.iter().map(letter).collect::<Option<Vec<_>>>() else { return Vec::new() };
+            letters.extend(of_part);
+        }
+        letters.sort_unstable();
+        letters
+    }
+
     /// Whether it is a range of M codes and nothing else.
     pub(crate) fn is_m_codes(&self) -> bool {
         let m = |part: &Part| matches!(part, Part::Words(words) if words.letters == bit(b'M') && words.with.len() == 1);
@@ -323,6 +339,22 @@ mod tests {
             ("; text", ";FLAVOR:Marlin", Some("; text")),
         ] {
             assert_eq!(shown(pattern, line).as_deref(), found, "{pattern} in {line}");
+        }
+    }
+
+    #[test]
+    fn a_sign_of_rotary_axes_names_nothing_else() {
+        for (pattern, letters) in [
+            ("C !G65 && B !G65", "BC"),
+            ("A !G65 !G76", "A"),
+            ("A|B", ""),
+            ("A0", ""),
+            ("B && M6", ""),
+            ("has A3=", ""),
+            ("B && has TRAORI", ""),
+        ] {
+            let axes: String = Pattern::parse(pattern).unwrap().rotary_axes().into_iter().collect();
+            assert_eq!(axes, letters, "{pattern}");
         }
     }
 

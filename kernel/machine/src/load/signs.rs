@@ -99,5 +99,16 @@ fn candidate(files: &dyn Files, name: &str) -> Option<Candidate> {
         Some(Value::Table(control)) => control.text("programs").unwrap_or_default(),
         _ => "",
     };
-    Some(Candidate { name: name.to_owned(), channels, whole_file: matches!(layout, "heads" | "sections"), signs })
+    let axes = match merged.table.get("axes").map(|node| &node.value) {
+        Some(Value::Array(rows)) => rows.iter().filter_map(|row| first_letter(&row.value)).collect(),
+        _ => Vec::new(),
+    };
+    let whole_file = matches!(layout, "heads" | "sections");
+    Some(Candidate { name: name.to_owned(), channels, whole_file, axes, signs })
+}
+
+/// The first letter of the name of an axis.
+fn first_letter(axis: &Value) -> Option<char> {
+    let Value::Table(axis) = axis else { return None };
+    axis.text("name")?.chars().next()
 }

@@ -134,6 +134,28 @@ fn programs_show_what_they_are_for() {
 
 /// No guess changes by a comment in the form of the control with any text, by a file in capitals or with other line
 /// ends, by block skip or by block numbers.
+/// A program is not guessed for a machine that refuses the axes by which it was guessed (2900028).
+#[test]
+fn a_machine_without_the_axes_of_the_program_is_refused() {
+    for (text, moved) in [
+        ("O1\nT1 M6\nG90 G54 G0 X0 Y0 B0 C0\nG43 H1 Z50.\nG1 X1. B-20. F100.\nM30\n", "B and C"),
+        ("O1\nT1 M6\nG43.4 H1 Z50.\nG1 X1. A-20. F100.\nB10.\nM30\n", "A and B"),
+        ("O1\nT1 M6\nG43.4 H1 Z50.\nG1 X1. B-20. F100.\nM30\n", "B"),
+    ] {
+        let refusal = machine("part.nc", text).unwrap_err();
+        assert!(refusal.starts_with(&format!("the program moves {moved} (")), "{refusal}");
+        let machine = format!(
+            "no shipped machine of its kind has {moved}; fanuc-mill-5axis has A and C. Make a machine of your own from it \
+             (counterpoint machine new DIR --from fanuc-mill-5axis)"
+        );
+        assert!(refusal.contains(&machine), "{refusal}");
+    }
+    let tilted = "O1\nT1 M6\nG43 H1 Z50.\nG1 X1. A-20. C90. F100.\nM30\n";
+    assert_eq!(machine("part.nc", tilted).as_deref(), Ok("fanuc-mill-5axis"));
+    let call = "O1\nT1 M6\nG43.4 H1 Z50.\nG1 X1. A-20. C90. F100.\nG65 P9 B1.\nM30\n";
+    assert_eq!(machine("part.nc", call).as_deref(), Ok("fanuc-mill-5axis"), "B is an argument");
+}
+
 #[test]
 fn comments_and_numbers_never_change_a_guess() {
     let texts = [
