@@ -78,7 +78,7 @@ fn test_modules(code: &Code) -> Vec<Vec<String>> {
 /// Folders that hold no text of the project.
 const FOREIGN: [&str; 4] = ["target", "node_modules", ".git", "out"];
 
-/// Texts of the repository whose names end like this, by their paths with slashes.
+/// Text files of the repository with these extensions, by their paths with slashes.
 pub(crate) fn texts(root: &Path, ends: &[&str]) -> Result<BTreeMap<String, String>, String> {
     let mut open = vec![root.to_owned()];
     let mut texts = BTreeMap::new();
@@ -89,7 +89,7 @@ pub(crate) fn texts(root: &Path, ends: &[&str]) -> Result<BTreeMap<String, Strin
             if path.is_dir() && !foreign {
                 open.push(path);
             } else if path.extension().is_some_and(|end| ends.iter().any(|known| end == *known)) {
-                // A text in another encoding is for a machine, which reads it itself.
+                // A file that is not UTF-8 is read only by a machine.
                 let text = String::from_utf8_lossy(
                     &std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?,
                 )

@@ -1,7 +1,7 @@
-//! Counts in the code of a crate: methods of a type, types that share a name, names of machines, texts that are made to
-//! be scanned.
+//! Counts in the code of a crate: methods of a type, types that share a name, names of machines, texts made for the
+//! scanner.
 //!
-//! Invariant: code that only tests see does not count.
+//! Invariant: test code does not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,13 +14,13 @@ use crate::code::{Code, is_test};
 pub(crate) struct Types {
     /// How often each name is defined.
     pub(crate) defined: BTreeMap<String, usize>,
-    /// Methods of each type outside its traits.
+    /// Methods of each type, without those of traits.
     pub(crate) methods: BTreeMap<String, usize>,
     /// Files with such methods.
     pub(crate) files: BTreeMap<String, BTreeSet<String>>,
 }
 
-/// Reads the types off a file.
+/// Collects the types of a file.
 struct Reader<'t> {
     path: &'t str,
     types: &'t mut Types,
@@ -80,7 +80,7 @@ pub(crate) fn types(codes: &[Code]) -> Types {
     types
 }
 
-/// Of all types, how many share their name with another one, in per cent (rounded up).
+/// Percentage of types that share their name with another type, rounded up.
 pub(crate) fn shared_names<'t>(crates: impl IntoIterator<Item = &'t Types>) -> usize {
     let mut all: BTreeMap<&str, usize> = BTreeMap::new();
     for types in crates {
@@ -92,7 +92,7 @@ pub(crate) fn shared_names<'t>(crates: impl IntoIterator<Item = &'t Types>) -> u
     (100 * shared).div_ceil(all.values().sum::<usize>().max(1))
 }
 
-/// Texts in the code of a file that are one of some names, and paths that end with some name.
+/// Finds string literals that equal one of some names, and paths that end with some names.
 struct Mentions<'m> {
     texts: &'m BTreeSet<String>,
     path_end: [&'m str; 2],
@@ -100,7 +100,7 @@ struct Mentions<'m> {
 }
 
 impl<'ast> Visit<'ast> for Mentions<'_> {
-    // Comments are attributes.
+    // Doc comments are attributes.
     fn visit_attribute(&mut self, _: &'ast syn::Attribute) {}
 
     fn visit_lit_str(&mut self, text: &'ast syn::LitStr) {
@@ -134,7 +134,7 @@ impl<'ast> Visit<'ast> for Mentions<'_> {
     }
 }
 
-/// How often a file names one of these machines, and how often it makes a text for the scanner (`Remaining::Text`).
+/// How often a file names one of these machines, and how often it creates a text for the scanner (`Remaining::Text`).
 pub(crate) fn mentions(code: &Code, machines: &BTreeSet<String>) -> [usize; 2] {
     let mut mentions = Mentions { texts: machines, path_end: ["Remaining", "Text"], found: [0, 0] };
     mentions.visit_file(&code.file);

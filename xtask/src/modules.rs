@@ -1,4 +1,4 @@
-//! Which modules and files of a crate use which, read off the paths in the code, and the cycles among them.
+//! Dependencies between the modules and files of a crate, taken from the paths in the code, and their cycles.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,8 +25,7 @@ impl<'c> Uses<'c> {
         uses.found
     }
 
-    /// A path as it is written: its first names. Inline modules are left out: none of the crates has modules in files
-    /// besides those of tests.
+    /// A path as written: its first names. Inline modules are left out, because the crates use them only for tests.
     fn path(&mut self, names: &[String]) {
         let Some(first) = names.first() else { return };
         let found = match first.as_str() {
@@ -90,8 +89,7 @@ pub(crate) fn arrows(codes: &[Code]) -> Arrows {
     arrows
 }
 
-/// The arrows between the files of a crate, by their modules. A module and those below it are one family: arrows between
-/// them are left out.
+/// The arrows between the files of a crate, by their modules. Arrows between a module and its descendants are left out.
 pub(crate) fn file_arrows(codes: &[Code]) -> Arrows {
     let modules: BTreeSet<&[String]> = codes.iter().map(|code| code.module.as_slice()).collect();
     let mut arrows = Arrows::new();

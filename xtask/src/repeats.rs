@@ -1,17 +1,17 @@
-//! Lines that stand in several files of the machine definitions.
+//! Lines that occur in several files of the machine definitions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Lines that make a repeat.
+/// Number of equal lines that make a repeat.
 pub(crate) const RUN: usize = 10;
 
-/// Lines with a content; comments of their own are left out.
+/// Lines with content; empty lines and comment lines are left out.
 fn content(text: &str) -> Vec<&str> {
     let lines = text.lines().map(str::trim);
     lines.filter(|line| !line.is_empty() && !line.starts_with(['#', ';']) && !line.starts_with("//")).collect()
 }
 
-/// By file, its lines that are part of a run of [`RUN`] lines which another file has, too, or which it has twice.
+/// By file, its lines in a run of [`RUN`] lines that also occurs in another file, or twice in this file.
 pub(crate) fn repeated(files: &BTreeMap<String, String>) -> BTreeMap<String, usize> {
     let files: BTreeMap<&str, Vec<&str>> = files.iter().map(|(name, text)| (name.as_str(), content(text))).collect();
     let mut runs: BTreeMap<&[&str], usize> = BTreeMap::new();

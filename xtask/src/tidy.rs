@@ -1,7 +1,7 @@
-//! Rules for the code: arrows between crates go down the floors (`floors`), and no measure of `RULES` is exceeded.
+//! Rules for the code: crates depend only on lower layers (`floors`), and no measure in `RULES` is exceeded.
 //!
-//! Known exceptions are listed in `xtask/tidy.toml`. Invariant: that list only shrinks: a new exception is a finding,
-//! and so is an entry that is not needed.
+//! `xtask/tidy.toml` lists known exceptions. Invariant: that list only shrinks. A new exception is a finding, and so is
+//! an entry that is no longer needed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -23,7 +23,7 @@ pub const FIELDS: usize = 15;
 const COLUMNS: usize = 120;
 const LIST: &str = "xtask/tidy.toml";
 
-/// A measure: its table in the list, its unit, the most that is allowed, and the remedy.
+/// A measure: its table in the list, its unit, its maximum, and the remedy.
 struct Rule {
     table: &'static str,
     unit: &'static str,
@@ -36,26 +36,26 @@ const fn rule(table: &'static str, unit: &'static str, most: usize, remedy: &'st
 }
 
 const RULES: [Rule; 14] = [
-    rule("files", "lines", LINES, "divide it by ideas"),
-    rule("types", "fields", FIELDS, "divide it by ideas"),
-    rule("methods", "methods", 80, "divide it into owners"),
-    rule("spread", "files with methods", 12, "let functions take the part that they need"),
-    rule("cycles", "modules in cycles", 0, "let arrows go down only"),
-    rule("circles", "files in circles", 0, "let arrows go down only"),
-    rule("crates", "thousand lines", 12, "divide it by ideas"),
-    rule("names", "types of one name", 1, "let each name say what it is without its path"),
-    rule("shared_names", "per cent of types that share a name", 20, "let each name say what it is without its path"),
-    rule("words", "in 10,000 words of comments", 6, "write a noun, or name the role"),
-    rule("scanned", "texts made to be scanned", 0, "leave typed words"),
-    rule("machine_names", "names of machines", 0, "put it into the machine definition"),
-    rule("columns", "lines of more than 120 characters", 0, "divide the lines"),
-    rule("repeats", "lines that other files have, too", 0, "include one file in both"),
+    rule("files", "lines", LINES, "split it by idea"),
+    rule("types", "fields", FIELDS, "split it by idea"),
+    rule("methods", "methods", 80, "split it into several types"),
+    rule("spread", "files with methods", 12, "pass functions only the part that they need"),
+    rule("cycles", "modules in cycles", 0, "make dependencies point downwards only"),
+    rule("circles", "files in cycles", 0, "make dependencies point downwards only"),
+    rule("crates", "thousand lines", 12, "split it by idea"),
+    rule("names", "types with the same name", 1, "make each name clear without its path"),
+    rule("shared_names", "per cent of types that share a name", 20, "make each name clear without its path"),
+    rule("words", "per 10,000 words of comments", 6, "use a noun, or name the role"),
+    rule("scanned", "texts made for the scanner", 0, "pass on typed words"),
+    rule("machine_names", "names of machines", 0, "move the case into the machine definition"),
+    rule("columns", "lines longer than 120 characters", 0, "split the lines"),
+    rule("repeats", "lines that other files also have", 0, "include one file in both"),
 ];
 
-/// A number by the name of a thing.
+/// Measured numbers by name.
 type Measured = BTreeMap<String, usize>;
 
-/// By rule, the things that exceed it.
+/// The exceptions to each rule.
 #[derive(Debug, Default, Deserialize, PartialEq)]
 struct Exceptions {
     /// Types that may have any number of fields.
@@ -130,7 +130,7 @@ fn measure_crate(name: &str, codes: &[Code], found: &mut Exceptions) -> Types {
     types
 }
 
-/// Texts of prose and of machine definitions.
+/// Measures prose and machine definitions.
 fn measure_texts(root: &Path, found: &mut Exceptions) -> Result<(), String> {
     let texts = code::texts(root, &["md", "h", "spf", "mac", "toml"])?;
     let columns = |path: &str| [".md", ".h", ".spf"].iter().any(|end| path.ends_with(end));
@@ -165,20 +165,20 @@ fn measure(root: &Path) -> Result<Exceptions, String> {
     Ok(found)
 }
 
-/// Compares the measures of a rule with those that are allowed.
+/// Compares the measures of a rule with the allowed exceptions.
 fn sizes(rule: &Rule, found: &Measured, known: &Measured, out: &mut Vec<String>) {
     let Rule { table, unit, most, remedy } = rule;
     for (name, size) in found {
         match known.get(name) {
             Some(allowed) if size <= allowed => {}
             Some(allowed) => {
-                out.push(format!("{name}: {size} {unit}, [{table}] of {LIST} allows {allowed}: {remedy}"));
+                out.push(format!("{name}: {size} {unit}, [{table}] in {LIST} allows {allowed}: {remedy}"));
             }
             None => out.push(format!("{name}: {size} {unit}, at most {most} are allowed: {remedy}")),
         }
     }
     for name in known.keys().filter(|name| !found.contains_key(*name)) {
-        out.push(format!("{name} needs no exception any more: take it out of [{table}] of {LIST}"));
+        out.push(format!("{name} no longer needs an exception: remove it from [{table}] in {LIST}"));
     }
 }
 
@@ -189,21 +189,21 @@ fn compare(found: &Exceptions, known: &Exceptions) -> Vec<String> {
         let [mut now, before] = [found, known].map(|list| list.rules.get(rule.table).unwrap_or(&none).clone());
         if rule.table == "types" {
             for name in known.tables.iter().filter(|name| now.remove(*name).is_none()) {
-                out.push(format!("{name} needs no exception any more: take it out of tables of {LIST}"));
+                out.push(format!("{name} no longer needs an exception: remove it from tables in {LIST}"));
             }
         }
         sizes(rule, &now, &before, &mut out);
     }
     let unknown = known.rules.keys().filter(|table| !RULES.iter().any(|rule| rule.table == **table));
-    out.extend(unknown.map(|table| format!("[{table}] of {LIST} is not a rule: take it out")));
+    out.extend(unknown.map(|table| format!("[{table}] in {LIST} is not a rule: remove it")));
     out
 }
 
 fn written(found: &Exceptions, tables: &BTreeSet<String>) -> String {
     let list: Vec<String> = tables.iter().map(|name| format!("    {name:?},\n")).collect();
     let mut out = format!(
-        "# What `cargo xtask tidy` lets pass. The list only shrinks; `cargo xtask tidy --update` rewrites it.\n\n\
-         # Types that are a table by nature.\ntables = [\n{}]\n",
+        "# Exceptions that `cargo xtask tidy` accepts. The list only shrinks; `cargo xtask tidy --update` rewrites it.\n\n\
+         # Types that are tables by nature.\ntables = [\n{}]\n",
         list.concat()
     );
     for Rule { table, unit, most, .. } in &RULES {
@@ -254,10 +254,10 @@ mod tests {
         let findings = compare(&found, &known).join("\n");
         for part in [
             "k: c: 1 modules in cycles, at most 0",
-            "k: a needs no exception",
-            "a.rs: 601 lines, [files] of xtask/tidy.toml allows 600: divide",
+            "k: a no longer needs an exception",
+            "a.rs: 601 lines, [files] in xtask/tidy.toml allows 600: split",
             "c.rs: 501 lines, at most 500",
-            "b.rs needs no exception",
+            "b.rs no longer needs an exception",
         ] {
             assert!(findings.contains(part), "{part}\n{findings}");
         }
@@ -273,7 +273,7 @@ mod tests {
         assert_eq!(compare(&Exceptions::default(), &table).len(), 1);
         assert_eq!(
             compare(&Exceptions::default(), &list("[rooms]")),
-            ["[rooms] of xtask/tidy.toml is not a rule: take it out"]
+            ["[rooms] in xtask/tidy.toml is not a rule: remove it"]
         );
     }
 

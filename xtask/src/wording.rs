@@ -1,4 +1,4 @@
-//! Words of comments that make sentences hard to read, and lines that are too long for a review.
+//! Words in comments that make sentences hard to read, and lines that are too long to review.
 
 /// Words of a comment line, in lower case.
 fn words(line: &str) -> impl Iterator<Item = String> + '_ {
@@ -10,9 +10,9 @@ fn words(line: &str) -> impl Iterator<Item = String> + '_ {
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Words {
     pub(crate) all: usize,
-    /// "what", which begins a clause that stands for a noun.
+    /// "what", which often introduces a clause used as a noun.
     pub(crate) what: usize,
-    /// "somebody", "nobody", "whoever" and the like.
+    /// "somebody", "nobody", "whoever" and similar words.
     pub(crate) people: usize,
 }
 
@@ -34,13 +34,13 @@ impl Words {
         }
     }
 
-    /// Per 10,000 words, rounded up: "what", and words for people.
+    /// Frequency per 10,000 words, rounded up: "what", and indefinite words for people.
     pub(crate) fn shares(&self) -> [usize; 2] {
         [self.what, self.people].map(|count| (10_000 * count).div_ceil(self.all.max(1)))
     }
 }
 
-/// Lines longer than `most` characters. Rows of tables and links cannot be divided.
+/// Lines longer than `most` characters. Table rows and single links are exempt, because they cannot be divided.
 pub(crate) fn long_lines(text: &str, most: usize) -> usize {
     let long = text.lines().filter(|line| line.chars().count() > most);
     long.filter(|line| !line.trim_start().starts_with('|') && line.split_whitespace().count() > 1).count()

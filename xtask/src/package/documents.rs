@@ -1,10 +1,10 @@
-//! The documents of a package: the documentation and every file that it refers to, at their paths in the repository.
+//! The documents of a package: the documentation and all files that it refers to, at their paths in the repository.
 //!
 //! *Invariant:* no relative link of a packaged page is dead; files that `.gitignore` names are not packaged.
 
 use std::path::Path;
 
-/// Single documents.
+/// Documents that are single files.
 const FILES: [&str; 7] = [
     "README.md",
     "CHANGELOG.md",
@@ -14,8 +14,8 @@ const FILES: [&str; 7] = [
     "CONTRIBUTING.md",
     "tests/public/README.md",
 ];
-/// Folders with all their files: the contract for clients in other languages, the client for Python, rules and
-/// dashboards for monitoring, examples, machine definitions, and the pages of the specification.
+/// Folders whose files are all packaged: the contract for clients in other languages, the Python client, monitoring
+/// rules and dashboards, examples, machine definitions, and specification pages.
 const FOLDERS: [&str; 8] =
     ["docs", "deploy", "proto/counterpoint", "clients/python", "examples", "machines", "tests/spec", "tests/scenarios"];
 
