@@ -361,7 +361,7 @@ fn a_dwell_in_revolutions_behind_g63_dwells() {
     assert_eq!(dwells.iter().map(|event| event.dur_ns).collect::<Vec<_>>(), [180_000_000], "{:?}", done.summary);
 }
 
-/// A trace shows each block of a cycle, so that all its words are sorted; known moves need no sorting.
+/// A trace shows each block of a cycle, so all words are sorted. Without a trace, known moves are not sorted.
 #[test]
 fn the_moves_of_a_hole_are_the_same_with_and_without_a_trace() {
     let mut random = fastrand::Rng::with_seed(83);

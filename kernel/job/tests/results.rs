@@ -148,14 +148,14 @@ fn the_last_block_is_not_exempt_from_the_limit_of_time() {
         job.run(&files, &control, &mut Log::default());
         control.reached()
     };
-    // The moves take a little more than 10 s, as they start and stop.
+    // The moves start and stop, so they take a little more than 10 s.
     for (text, enough) in [("G4 X10.\nM30", 10), ("G98 G1 W10. F60. M30", 11), ("G98 G1 W10. F60.\n%", 11)] {
         assert_eq!(run(text, enough - 1), Some(Limit::SimulatedTime), "{text}");
         assert_eq!(run(text, enough), None, "{text}");
     }
 }
 
-/// The limit that a program on a mill with accelerations reaches, and the time of its last event, s.
+/// The limit that a program reaches on a mill with accelerations, and the time of its last event, s.
 fn on_a_mill(text: &str, seconds: i64) -> (Option<Limit>, f64) {
     let machine = load(&package::shipped(), "fanuc-mill").machine.expect("shipped machine");
     let mut files = Memory::default();
@@ -171,7 +171,7 @@ fn on_a_mill(text: &str, seconds: i64) -> (Option<Limit>, f64) {
 
 #[test]
 fn the_limit_of_time_counts_the_time_that_moves_take_with_their_accelerations() {
-    // Each move of 0.1 mm takes far longer than its length at 10 m/min, as it starts and stops.
+    // Each move of 0.1 mm starts and stops, so it takes far longer than its length at 10 m/min.
     let moves = "G1 X0.1\nX0.\n".repeat(400);
     let (endless, finite) = (format!("G94 F10000\nN10 {moves}GOTO 10\nM30\n"), format!("G94 F10000\n{moves}M30\n"));
     let (limit, whole) = on_a_mill(&finite, 1000);

@@ -426,7 +426,7 @@ fn starts_word(line: &[u8], at: usize) -> bool {
         && matches!(line.get(at + 1), Some(b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'['))
 }
 
-/// Where a text occurs in a line from a position on.
+/// Position of a text in a line, searched from a start position.
 fn find(line: &[u8], from: usize, text: &[u8]) -> Option<usize> {
     memchr::memmem::find(line.get(from..)?, text).map(|at| at + from)
 }

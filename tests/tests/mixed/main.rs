@@ -145,7 +145,7 @@ fn a_move_that_waits_behind_a_meeting_keeps_its_place() {
     }
 }
 
-/// A move that waits under compensation is made before tool tip control ends: its points are those of the tip.
+/// A move that compensation holds back is executed before tool tip control ends: its points are those of the tip.
 #[test]
 fn a_move_that_waits_is_made_under_the_tip_control_of_its_block() {
     for moves in ["G53 G1 X2. C3.\nG0 X0. Y0.", "G53 G0 C3.\nG0 X0. Y0.", "G1 X2. C3.\nG0 X0. Y0.", "G1 X2. C3.\nX-9."]

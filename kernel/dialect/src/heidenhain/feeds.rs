@@ -44,12 +44,12 @@ impl Units {
         if self.per_turn { inch } else { inch / 10.0 }
     }
 
-    /// A feed in units of the machine, in those of the program.
+    /// Converts a feed from units of the machine to units of the program.
     pub(super) fn of_program(self, feed: f64, host: &dyn Host) -> f64 {
         if self.inches { feed / self.feed_factor(host.length_factor()) } else { feed }
     }
 
-    /// The feed that the program has given.
+    /// The programmed feed, in units of the program.
     pub(super) fn programmed(self, host: &dyn Host) -> f64 {
         self.of_program(host.feed(), host)
     }

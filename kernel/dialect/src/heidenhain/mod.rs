@@ -94,13 +94,13 @@ struct Line {
 /// A line with its place.
 type PlacedLine = ((FileId, u32), Arc<Line>);
 
-/// Lines that were read.
+/// Lines that have been read.
 #[derive(Debug, Default)]
 struct ReadLines {
     /// A line may run again, so lines are worth keeping.
     keeping: bool,
     kept: Kept<Line>,
-    /// The last two: a path block looks at the lines after it before they run.
+    /// The last two lines: a path block reads the lines after it before they run.
     recent: [Option<PlacedLine>; 2],
 }
 

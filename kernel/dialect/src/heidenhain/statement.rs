@@ -204,7 +204,7 @@ pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
     })
 }
 
-/// Whether a block may begin with the keyword of a statement other than a path block: most blocks do not.
+/// Whether a block may begin with the keyword of a statement other than a path block. Most blocks cannot.
 fn may_be_key_word(text: &str) -> bool {
     match text.as_bytes() {
         [b'L', second, ..] => *second == b'B',

@@ -78,7 +78,7 @@ pub(super) fn words(cursor: &mut Cursor<'_>) -> Vec<Word> {
     out
 }
 
-/// A name. Those of one letter, which most words have, are made once.
+/// A shared name. Names of one letter, which most words have, are allocated once.
 fn shared(name: &str) -> Arc<str> {
     static LETTERS: LazyLock<[Arc<str>; 26]> =
         LazyLock::new(|| std::array::from_fn(|at| char::from(b'A' + at as u8).to_string().into()));

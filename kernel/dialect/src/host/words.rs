@@ -49,11 +49,11 @@ pub trait Words {
     /// Register of a letter, and whether the letter is its incremental form.
     fn register(&self, letter: u8) -> Option<(RegisterId, bool)>;
 
-    /// Register of a name, with `=` at its end or without, and whether the name is its incremental form.
+    /// Register of a name, with or without a final `=`, and whether the name is its incremental form.
     fn register_named(&self, name: &str) -> Option<(RegisterId, bool)>;
 
-    /// Register of words that begin with this text, and whether it is the incremental form, if they are data whatever
-    /// their value: neither a code nor a literal text of the machine begins like that.
+    /// Register of words that begin with this text, and whether this is the incremental form. `None` unless such words
+    /// are data for every value: no code and no literal text of the machine begins with this text.
     fn data_register(&self, before: &str) -> Option<(RegisterId, bool)>;
 
     /// Steps of one unit that the value of an expression is rounded to at a register, if the machine rounds.
@@ -83,8 +83,8 @@ pub trait Words {
     /// has blanks in place of comments, so places in `text` are places in the block.
     fn push_plain(&mut self, text: &[u8], span: (u32, u32));
 
-    /// Adds a value that replaces a part of the block, as its register reads this number; `word` is its text for the
-    /// trace. False if the text is not a number.
+    /// Adds a value that replaces a part of the block; its register reads `number`, and `word` is its text for the
+    /// trace. False if `number` is not a number.
     fn push_number(&mut self, register: (RegisterId, bool), number: &str, word: &str, span: (u32, u32)) -> bool;
 
     /// Adds words that replace a part of the block, with its place.

@@ -124,7 +124,7 @@ pub(super) fn common(name: &str) -> Option<(Family, Option<f64>)> {
     digits.then(|| (family, number.parse().ok()))
 }
 
-/// A sequence number or program name as it is compared: zeros before a number do not count.
+/// A sequence number or program name in the form in which names are compared: leading zeros of a number are ignored.
 pub(super) fn normal(name: &str) -> String {
     let name = name.to_ascii_uppercase();
     if name.bytes().all(|byte| byte.is_ascii_digit()) {

@@ -56,7 +56,7 @@ impl<'a> Cursor<'a> {
         self.text.as_bytes().get(self.at + ahead).copied().unwrap_or(0)
     }
 
-    /// The byte that comes next, after blanks, 0 at the end.
+    /// The next byte after blanks; 0 at the end.
     pub(super) fn next_byte(&self) -> u8 {
         let rest = self.text.as_bytes().get(self.at..).unwrap_or_default();
         rest.iter().copied().find(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(0)

@@ -11,18 +11,18 @@ use counterpoint_machine::index::RegisterId;
 /// A part of the remaining words.
 #[derive(Debug, Clone, Copy)]
 struct LeftPart {
-    /// Its end within the words.
+    /// End of the part within the words.
     end: usize,
-    /// Its place in the block.
+    /// Place of the part in the block.
     place: Span,
-    /// The register of a part that is one word of data, and where its number begins within the part.
+    /// If the part is one word of data: its register, and where its number begins within the part.
     number: Option<(Register, usize)>,
 }
 
 /// A register, and whether it is the incremental form.
 type Register = (RegisterId, bool);
 
-/// A word of data: its register, and its start, the start of its number and its end within the words.
+/// A word of data: its register and its bounds within the words (start, start of the number, end).
 #[derive(Debug, Clone, Copy)]
 struct NumberWord {
     register: Register,
@@ -55,7 +55,7 @@ impl Places {
                 if self.parts.is_empty() {
                     self.parts.reserve(8);
                 }
-                // One blank is before all parts but the first one.
+                // One blank precedes each part except the first.
                 let begin = if last == 0 { 0 } else { last + 1 };
                 let alone = |word: &NumberWord| word.bounds[0] == begin && word.bounds[2] == end;
                 let number = self.number.take().filter(alone);
@@ -67,7 +67,7 @@ impl Places {
         }
     }
 
-    /// Notes that the words now have one of a register at these bounds: its start, the start of its number, its end.
+    /// Notes a word of a register at these bounds: start, start of the number, end.
     pub(super) fn note_number(&mut self, register: Option<Register>, bounds: [usize; 3]) {
         self.number = register.map(|register| NumberWord { register, bounds });
     }
@@ -106,8 +106,8 @@ fn is_part(text: &str, block: &[u8], (start, end): Span) -> bool {
     block.get(start as usize..end as usize) == Some(text.as_bytes())
 }
 
-/// Adds a part to the block: as a place of the block if the text there is the same, otherwise as a value or as a written
-/// word.
+/// Adds a part to the block: as a place of the block if the block has the same text there, otherwise as a value or as a
+/// written word.
 fn put(host: &mut dyn Host, text: &str, block: &[u8], (place, number): (Span, Option<(Register, usize)>)) {
     let value = number.and_then(|(register, at)| Some((register, text.get(at..)?)));
     if is_part(text, block, place) {

@@ -38,7 +38,7 @@ pub(super) struct Spelling {
     plain: bool,
     /// `X=`.
     equals: bool,
-    /// The register of words without and with an equal sign whose values are data.
+    /// Registers of words whose values are data: without and with an equal sign.
     data: [Option<(RegisterId, bool)>; 2],
 }
 

@@ -75,7 +75,7 @@ pub(super) fn linear_times(act: &mut Act<'_, '_>, factor: f64) -> Acted {
     act.feed_to(coded, target, feed, unit)
 }
 
-/// A straight move of these axes to a point of the work frame, without words: at rapid, or at the feed of the mode.
+/// Moves these axes straight to a point of the work frame, without words: at rapid, or at the feed of the active mode.
 pub(super) fn go_straight(act: &mut Act<'_, '_>, rapid: bool, coded: u8, to: &Position) -> Acted {
     if rapid {
         let most = act.state.remembered.value(data::RAPID_FEED);

@@ -70,7 +70,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
     Ok(())
 }
 
-/// Switches it off. A move that waits has points of the tip, so it is made before.
+/// Switches tool tip control off. A move that compensation holds back has points of the tip, so it is executed first.
 pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     if act.tip().is_some() {
         act.flush_lookahead()?;

@@ -36,9 +36,9 @@ pub(crate) enum CompensationChange {
 pub(crate) struct StraightMoves {
     /// Goes to a programmed point at rapid.
     pub(crate) back: fn(&mut Kernel<'_>, &Position) -> Acted,
-    /// Goes along these axes to a point of the work frame: at rapid, or at the feed of the mode.
+    /// Moves these axes to a point of the work frame: at rapid, or at the feed of the active mode.
     pub(crate) along: fn(&mut Kernel<'_>, bool, u8, &Position) -> Acted,
-    /// Makes a straight move again that a macro has changed: at rapid or not, to another end.
+    /// Repeats a straight move that a macro has changed: at rapid or at feed, to a new end.
     pub(crate) change: fn(&mut Kernel<'_>, &Motion, bool, Position) -> Acted,
 }
 

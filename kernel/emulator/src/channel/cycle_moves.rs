@@ -1,8 +1,8 @@
-//! Straight moves of a cycle that the interpreter generates: words that were sorted before are not sorted again.
+//! Straight moves of a generated cycle: words that have been sorted once are not sorted again.
 //!
-//! *Invariant:* a block acts here only if its words would do exactly the same: a move of one axis at rapid or at the
-//! feed of the mode, or a feed alone. Any other block goes the way of all blocks, as do all blocks of a cycle while a
-//! macro, a trace, a frame or another active code could make a difference.
+//! *Invariant:* a block is executed here only if the normal stages would have exactly the same effect: a move of one
+//! axis at rapid or at the feed of the active mode, or only a feed. All other blocks pass through the normal stages. So
+//! do all blocks of a cycle while a macro, a trace, a frame or another active code could make a difference.
 
 use super::Kernel;
 use super::plan::{RECALLED, Source};
@@ -18,9 +18,9 @@ use counterpoint_machine::rows::{CodeRow, Modality};
 use counterpoint_program::block::irregular;
 use counterpoint_program::key_words::Number;
 
-/// Most blocks that are kept; cycles have few different ones.
+/// Maximum number of kept blocks; cycles have few different blocks.
 const MOST: usize = 16;
-/// Most words of such a block.
+/// Maximum number of words of such a block.
 const MOST_WORDS: usize = 4;
 /// The feeds of all modes.
 const FEEDS: [DataId; 3] = [data::FEED_UPM, data::FEED_UPR, data::FEED_1T];
@@ -33,7 +33,7 @@ enum WordMark {
     Text(CodeRowId),
 }
 
-/// Words of a block and their effect, if it is a straight move or a feed.
+/// Words of a block, and their effect if it is a straight move or a feed.
 #[derive(Debug)]
 struct KnownMove {
     marks: Vec<WordMark>,
@@ -47,18 +47,18 @@ pub(crate) struct KnownMoves(Vec<KnownMove>);
 /// The effect of a block.
 #[derive(Debug, Clone, Copy, Default)]
 struct StraightMove {
-    /// The word of the axis: its place among the words.
+    /// Index of the axis word, and its axis.
     axis: Option<(usize, AxisSlot)>,
-    /// The word of the feed: its place among the words.
+    /// Index of the feed word.
     feed: Option<usize>,
     rapid: bool,
-    /// The code that is active for motion afterwards.
+    /// The motion code that is active afterwards.
     motion: Option<(CodeId, CodeRowId)>,
     /// The block ends compensation of the tool radius.
     uncompensated: bool,
 }
 
-/// A value as an action would take it.
+/// A value as an action would read it.
 #[derive(Debug, Clone, Copy)]
 struct DirectValue {
     value: f64,
@@ -66,7 +66,7 @@ struct DirectValue {
     modal: bool,
 }
 
-/// Whether words of a cycle can act without being sorted: no macro, trace or state of the channel sees the blocks.
+/// Whether words of a cycle can be executed without sorting: no macro, trace or channel state depends on the blocks.
 pub(crate) fn may_move(kernel: &Kernel<'_>) -> bool {
     let (env, state) = (&kernel.channel.env, &kernel.channel.state);
     env.trace.is_none()
@@ -88,8 +88,8 @@ fn no_macro_sees_blocks(kernel: &Kernel<'_>) -> bool {
             && !kernel.may_have_remarks()
 }
 
-/// Executes the words of a block if they are known as a straight move or as a feed; false if the block has to go the way
-/// of all blocks.
+/// Executes the words of a block if they are a known straight move or feed. Returns false if the block must pass
+/// through the normal stages.
 pub(crate) fn make(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> Result<bool, Halt> {
     let Some(known) = known_move(kernel, words) else { return Ok(false) };
     let (feed_id, unit) = feed_of(kernel.channel.state.modal.code(group::FEED));
@@ -129,7 +129,7 @@ pub(crate) fn make(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> Result<bool,
     Ok(true)
 }
 
-/// The effect of a block, found once for words with the same registers and codes.
+/// The effect of a block, determined once for words with the same registers and codes.
 fn known_move(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> Option<StraightMove> {
     let only_data = kernel.plan.registers.only_data;
     let mark = |word: &CycleWord| match *word {
@@ -155,7 +155,7 @@ fn known_move(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> Option<StraightMo
     effect
 }
 
-/// Finds the effect of words; none if anything but a straight move of one axis or a feed may come of them.
+/// Determines the effect of words; none unless they can only be a straight move of one axis or a feed.
 fn effect_of(kernel: &mut Kernel<'_>, marks: &[WordMark], words: &[CycleWord]) -> Option<StraightMove> {
     let machine = kernel.channel.env.machine;
     let mut effect = StraightMove::default();
@@ -181,7 +181,7 @@ fn effect_of(kernel: &mut Kernel<'_>, marks: &[WordMark], words: &[CycleWord]) -
             effect.rapid = row(one).id == codes::RAPID;
             effect.motion = Some((row(one).id, one.1));
         }
-        // The first one moves, the second one finds no position and stays active.
+        // The first code moves; the second code finds no position and stays active.
         [first, then] if first.0 < then.0 && non_modal(row(first)) && !non_modal(row(then)) => {
             let rapid_first = row(first).id == codes::RAPID && row(then).id == codes::INTERP_LINEAR;
             (effect.rapid, effect.motion) = (true, Some((row(then).id, then.1)).filter(|_| rapid_first));
@@ -215,7 +215,7 @@ fn mark_data(kernel: &Kernel<'_>, effect: &mut StraightMove, (at, register): (us
     (plain && ids.all(no_macro) && effect.axis.replace((at, slot)).is_none()).then_some(())
 }
 
-/// Adds a code: a straight move, or a code that is active already and does nothing.
+/// Adds a code: a straight move, or a code that is already active and does nothing.
 fn mark_code(
     kernel: &Kernel<'_>,
     effect: &mut StraightMove,
@@ -253,7 +253,7 @@ fn is_never_refused(kernel: &mut Kernel<'_>, words: &[CycleWord]) -> bool {
     never
 }
 
-/// The value of a word as an action would take it; none if that needs more than its factor.
+/// The value of a word as an action would read it; none if this takes more than a factor.
 fn direct_value(kernel: &Kernel<'_>, id: DataId, word: &MadeWord) -> Option<DirectValue> {
     let [source] = kernel.plan.sources_of(id) else { return None };
     let Source { register, mul, add, min, max, dimension, modal, .. } = *source;

@@ -1,6 +1,6 @@
 //! The dialect of a channel, with its memory.
 //!
-//! *Invariant:* the interpreter is away only while it runs.
+//! *Invariant:* `interpreter` is taken out only while the interpreter runs.
 
 use super::cycle_moves::KnownMoves;
 use super::left_words::LeftWords;
@@ -10,7 +10,7 @@ use counterpoint_machine::Machine;
 
 /// The dialect of a channel.
 pub(crate) struct DialectState {
-    /// Which dialect.
+    /// The kind of dialect.
     pub(crate) kind: &'static dyn Dialect,
     /// Numbered variables.
     pub(crate) variables: ChannelVariables,
@@ -18,11 +18,11 @@ pub(crate) struct DialectState {
     pub(crate) interpreter: Option<Box<dyn Interpreter>>,
     /// Programs that the interpreter has read are out of date; the interpreter is notified when it is put back.
     pub(crate) is_stale: bool,
-    /// Blocks of the cycle that is executed; only their memory is kept from one to the next.
+    /// Blocks of the current cycle; between cycles only their memory is kept.
     pub(crate) cycle_blocks: MadeBlocks,
     /// Blocks of cycles that are straight moves, by their words.
     pub(crate) cycle_moves: KnownMoves,
-    /// Words that the interpreter leaves.
+    /// Words that the interpreter leaves to the next stages.
     pub(crate) left: LeftWords,
 }
 

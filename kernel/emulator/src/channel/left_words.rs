@@ -31,7 +31,7 @@ impl LeftWords {
         self.joined = None;
     }
 
-    /// Adds the text of words, if it may be asked for.
+    /// Adds the text of words, if it may be needed.
     pub(super) fn add(&mut self, text: impl FnOnce() -> String) {
         if self.asked {
             if !self.text.is_empty() {

@@ -80,7 +80,7 @@ impl Kernel<'_> {
             halt = self.end_macros(next);
         }
         if let Halt::ProgramEnd(_) = halt {
-            // No later block checks the limit for the last block, and for the moves whose time was not known yet.
+            // No later block checks the limit for the last block, or for moves whose time was not known yet.
             self.come_to_rest();
             if let Err(limit) = self.check_limits() {
                 halt = limit;

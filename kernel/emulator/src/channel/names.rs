@@ -1,4 +1,4 @@
-//! Names of the machine's words and codes, found without a look at each row.
+//! Names of the machine's words and codes, found without a search through all rows.
 //!
 //! *Invariant:* a name finds the row that comes first in the tables of the machine; letter case is ignored.
 
@@ -7,13 +7,13 @@ use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::rows::CodeForm;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Longest name that is put into small letters without memory of its own.
+/// Longest name that is converted to lower case without an allocation.
 const SHORT: usize = 32;
 
-/// The names of a machine, in small letters.
+/// The names of a machine, in lower case.
 #[derive(Debug, Default)]
 pub(crate) struct WordNames {
-    /// Texts before numbers without `=` at their end: the register, and whether it is the incremental form.
+    /// Texts before numbers, without a final `=`: the register, and whether this is the incremental form.
     registers: FxHashMap<Box<[u8]>, (RegisterId, bool)>,
     /// Names of registers, and texts before their numbers.
     spelled: FxHashSet<Box<[u8]>>,
@@ -42,7 +42,7 @@ impl WordNames {
         names
     }
 
-    /// Register of a name, with `=` at its end or without, and whether the name is its incremental form.
+    /// Register of a name, with or without a final `=`, and whether the name is its incremental form.
     pub(super) fn register(&self, name: &str) -> Option<(RegisterId, bool)> {
         in_small_letters(name, |name| self.registers.get(name).copied())
     }

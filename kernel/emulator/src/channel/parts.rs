@@ -1,4 +1,4 @@
-//! The parts of a kernel beside its channel: the paths out of it, and the data with which it is made.
+//! The parts of a kernel outside its channel: its outputs, and the data from which it is made.
 
 use super::components::Component;
 use super::emit::Emitter;

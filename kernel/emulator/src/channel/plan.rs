@@ -23,7 +23,8 @@ use counterpoint_program::syntax::Syntax;
 use counterpoint_program::tape::Tape;
 use counterpoint_program::visible::Marks;
 
-/// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
+/// Represents a remembered value among the registers of an identifier; no register has this bit, and every block has
+/// it.
 pub(crate) const RECALLED: u128 = 1 << 127;
 
 /// Compiled form of the machine for the block loop.

@@ -77,8 +77,8 @@ impl Kernel<'_> {
         (self.plan.actions.flush_due)(self, true)
     }
 
-    /// Executes a block of a cycle. `span` is the whole calling block, which each word stands for; `direct`: straight
-    /// moves need no sorting of their words.
+    /// Executes a block of a cycle. `span` is the whole calling block, to which each word belongs. `direct`: the words
+    /// of straight moves need no sorting.
     fn cycle_block(&mut self, words: &[CycleWord], span: (u32, u32), direct: &mut bool) -> Acted {
         self.keep_pace();
         self.channel.at.blocks += 1;

@@ -32,7 +32,7 @@ pub(crate) struct Modal {
     /// Active code of each group with its row, `None` = `CODE_NONE`. The machine may start with a code that it has no
     /// row of.
     groups: Vec<Option<(CodeId, Option<CodeRowId>)>>,
-    /// Groups that have had an active code, ascending: few of all groups.
+    /// Groups that have had an active code, in ascending order; these are only a few of all groups.
     known: Vec<u16>,
     /// Groups whose active code fires again on blocks without a code of the group; `true` = in every block.
     pub(crate) refires: Vec<(u16, bool)>,

@@ -1,6 +1,6 @@
-//! A further run of all kernels, as Machine Shutdown asked for it.
+//! Another run of all kernels, requested by Machine Shutdown.
 //!
-//! *Invariant:* its programs are in the file that Machine Shutdown named, at or behind its line.
+//! *Invariant:* its programs are in the file that Machine Shutdown named, at or after the named line.
 
 use std::sync::Arc;
 
@@ -18,12 +18,12 @@ pub(crate) type At = (FileId, Range, Arc<str>);
 pub(super) struct Again {
     /// Kernels with a program.
     pub(super) programs: Vec<(u16, At)>,
-    /// As if the file were the first one.
+    /// Reset the machine, as for a first file.
     pub(super) reset: bool,
 }
 
 /// Where the kernels continue with the file that Machine Shutdown named: its main programs from left to right, as for a
-/// job of this file alone. `wrong` says why the machine cannot be started again.
+/// job of this file alone. `wrong` is the reason why the machine cannot be restarted.
 pub(super) fn restarted(kernel: &mut Kernel<'_>, restart: Restart, wrong: Option<&str>) -> Option<Again> {
     let Restart { file, line, reset } = restart;
     let (info, machine) = (kernel.channel.env.info, kernel.channel.env.machine);

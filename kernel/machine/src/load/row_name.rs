@@ -1,6 +1,6 @@
-//! The names by which rows of a child are compared with those of its parent.
+//! The names by which rows of a child are matched with rows of its parent.
 //!
-//! *Invariant:* two rows of a section have one name exactly if the later one replaces the earlier one.
+//! *Invariant:* two rows of a section have the same name if and only if the later row replaces the earlier one.
 
 use crate::toml::node::{Table, Value};
 
@@ -36,7 +36,7 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
     }
 }
 
-/// Identifier of a row in one spelling.
+/// Identifier of a row, in a uniform spelling.
 fn identifier(row: &Table) -> Option<String> {
     use crate::ident;
     let name = row.text("id")?;

@@ -1,6 +1,6 @@
-//! Rows of cells as text.
+//! Tables as text.
 
-/// Rows of cells with a heading, aligned to the left.
+/// Rows of cells with a heading, left-aligned.
 pub(super) struct Grid(Vec<Vec<String>>);
 
 impl Grid {
@@ -12,7 +12,7 @@ impl Grid {
         self.0.push(cells.into());
     }
 
-    /// Stacks grids with the same columns, with their names in a first column.
+    /// Stacks grids with the same columns, and adds a first column with their names.
     pub(super) fn below<'n>(grids: impl Iterator<Item = (&'n str, Grid)>, heading: &str) -> Self {
         let mut all: Vec<Vec<String>> = Vec::new();
         for (name, Grid(rows)) in grids {

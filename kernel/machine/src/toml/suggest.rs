@@ -22,11 +22,10 @@ pub(crate) fn nearest<'n>(name: &str, names: impl IntoIterator<Item = &'n str>) 
         .map(|(_, candidate)| candidate)
 }
 
-/// The names that were probably meant, at most `most`, the nearest first; if none is near, those that begin with the
-/// name.
+/// Similar names, at most `most`, the nearest first. If none is near, the names that begin with `name`.
 #[must_use]
 pub fn similar<'n>(name: &str, names: &[&'n str], most: usize) -> Vec<&'n str> {
-    /// Fewest characters of the beginning of a name.
+    /// Minimum length of such a beginning.
     const FEWEST: usize = 3;
     let wanted: Vec<char> = name.chars().take(MAX_NAME).map(|c| c.to_ascii_uppercase()).collect();
     let scored = |candidate: &&'n str| (score(&wanted, candidate), candidate.len(), *candidate);
@@ -39,7 +38,7 @@ pub fn similar<'n>(name: &str, names: &[&'n str], most: usize) -> Vec<&'n str> {
     found.into_iter().take(most).map(|(.., candidate)| candidate).collect()
 }
 
-/// Most mistakes in a name that is suggested for another one.
+/// Maximum number of mistakes for a name to be suggested.
 fn limit(wanted: &[char]) -> usize {
     (wanted.len() / 4).clamp(1, 4)
 }

@@ -81,7 +81,7 @@ impl Hole<'_> {
         }
         let clears = clears == 1.0;
         let factor = self.first_feed_factor();
-        // A macro of the machine may supply it, so it is read only if it is needed.
+        // A macro of the machine may supply this variable, so it is read only if it is needed.
         let feed = if factor == 1.0 { 0.0 } else { self.variable("$P_F")? };
         let total = levels.total();
         let mut strokes = self.strokes(levels.reference, levels.sign, total)?;

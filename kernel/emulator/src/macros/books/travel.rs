@@ -17,13 +17,13 @@ const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 #[derive(Debug, Default)]
 pub(crate) struct Travel {
     pub(crate) rows: Vec<Row>,
-    /// The row of the last motion, and for each column the range that this row and the first row share: a motion within
-    /// it changes nothing.
+    /// The row of the last motion, and for each column the range that this row and the first row have in common. A
+    /// motion within it changes nothing.
     last: Option<(usize, [(f64, f64); COLUMNS])>,
 }
 
 impl Travel {
-    /// A row for writing.
+    /// A row that a macro may change.
     pub(crate) fn row(&mut self, at: usize) -> Option<&mut Row> {
         self.last = None;
         self.row_at(at)
