@@ -2,8 +2,8 @@
 //!
 //! A file in the folder of a running server requests a copy of its ledger; every user with write access to the folder
 //! may request it. Files that the rows of that copy need never change once they exist, so they are copied without the
-//! server. Invariants: a backup is a data folder of its own, complete at the end of the call or not used; one command at a
-//! time writes to a folder.
+//! server. Invariants: a backup is an independent data folder, which is complete when the call ends successfully and
+//! otherwise not usable; only one command at a time writes to a folder.
 
 use std::fs::{self, File};
 use std::io;
@@ -28,7 +28,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 const COPYING: Duration = Duration::from_secs(600);
 /// Between two looks for the copy.
 const LOOK: Duration = Duration::from_millis(50);
-/// Between two checks that a server still uses the folder.
+/// Time between two checks that a server still uses the folder.
 const LOOK_FOR_SERVER: Duration = Duration::from_secs(1);
 
 /// File in the folder to which a backup or a restore writes.
@@ -55,14 +55,14 @@ pub fn backup(from: &Path, to: &Path) -> Result<Contents, String> {
     let _claim = Claim::of(to)?;
     contained(|| copy_with_ledger(from, to))
         .and_then(|copied| copied)
-        .map_err(|refusal| format!("the backup is not whole, remove '{}': {refusal}", to.display()))
+        .map_err(|refusal| format!("the backup is incomplete; remove '{}': {refusal}", to.display()))
 }
 
-/// Refuses a target inside the source: a server would count a backup as its own data, and its loss would be that of
-/// both.
+/// Refuses a target inside the source: a server would count the backup as its own data, and both would be lost
+/// together.
 fn lies_outside(to: &Path, from: &Path) -> Result<(), String> {
     let (Ok(from), Ok(target)) = (fs::canonicalize(from), std::path::absolute(to)) else { return Ok(()) };
-    // Folders that do not exist yet are not links.
+    // A folder that does not exist yet cannot be a link.
     let existing = target.ancestors().find_map(|folder| fs::canonicalize(folder).ok());
     if existing.is_some_and(|existing| existing.starts_with(&from)) {
         return Err(format!("'{}' is inside '{}': choose a folder outside of it", to.display(), from.display()));
@@ -136,13 +136,15 @@ fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
         }
         // Each of these files exists before the previous one is removed, and a server removes all of them at its start.
         if ![&request, &copy, &ready].into_iter().any(|file| file.exists()) {
-            return Err(Refusal::Storage("the server has been restarted since: run the backup again".to_owned()));
+            return Err(Refusal::Storage(
+                "the server was restarted during the backup: run the backup again".to_owned(),
+            ));
         }
         // A server that starts while this process holds the lock would be refused.
         if looked.elapsed() >= LOOK_FOR_SERVER {
             looked = Instant::now();
             if FolderLock::of_a_reader(folder).is_ok() {
-                break "the server has ended since: run the backup again";
+                break "the server exited during the backup: run the backup again";
             }
         }
         let patience = if copy.exists() { PATIENCE + COPYING } else { PATIENCE };
@@ -180,7 +182,7 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
     lies_outside(to, from)?;
     let _claim = Claim::of(to)?;
     let owner = Owner::of(to);
-    let unfinished = |error: io::Error| format!("the folder '{}' is not whole, remove it: {error}", to.display());
+    let unfinished = |error: io::Error| format!("the folder '{}' is incomplete; remove it: {error}", to.display());
     for part in ["blobs", "jobs"] {
         match copy_folder(&from.join(part), &to.join(part), owner) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(unfinished(error)),
@@ -191,7 +193,7 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
     copy_file(&from.join("ledger.redb"), &to.join("ledger.redb"), owner).map_err(unfinished)
 }
 
-/// The claim of a command to the folder that it fills; ends when dropped.
+/// The claim of a command to the folder that it fills. Dropping the claim releases the folder.
 #[derive(Debug)]
 struct Claim(PathBuf);
 
@@ -210,14 +212,14 @@ impl Claim {
             Ok(_) => {}
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
                 return Err(format!(
-                    "another backup or restore writes to '{shown}', or was interrupted (file '{CLAIM}'): choose a new \
+                    "another backup or restore is writing to '{shown}', or was interrupted (file '{CLAIM}'): choose a new \
                      folder"
                 ));
             }
             Err(error) => {
                 let error = io::Error::from(error.kind());
                 return Err(format!(
-                    "'{shown}' cannot be written: {error}: choose another folder, or make this one writable for the \
+                    "'{shown}' cannot be written: {error}; choose another folder, or make this one writable for the \
                      user"
                 ));
             }
@@ -240,7 +242,7 @@ impl Drop for Claim {
     }
 }
 
-/// Whether a folder has no file but that of its claim.
+/// Whether a folder has no file except that of its claim.
 fn is_empty(folder: &Path) -> io::Result<bool> {
     for entry in fs::read_dir(folder)? {
         if entry?.file_name() != CLAIM {

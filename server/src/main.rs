@@ -66,9 +66,9 @@ enum Command {
     /// Create, list and revoke tokens in the file of identities
     #[command(subcommand)]
     Token(TokenCommand),
-    /// Write man pages into a folder, or the page of the server to standard output
+    /// Write man pages into a folder, or print the page of the server
     Man {
-        /// Folder for the pages, such as /usr/local/share/man/man8 [default: print one page for `man -l -`]
+        /// Folder for the pages, such as /usr/local/share/man/man8 [default: print one page, for `man -l -`]
         #[arg(value_name = "DIR")]
         folder: Option<PathBuf>,
     },

@@ -33,7 +33,7 @@ pub enum Refusal {
     /// No such machine.
     #[error("no machine '{name}'; {}`counterpoint machine list` lists the machines", meant(.near))]
     UnknownMachine {
-        /// The name in the request.
+        /// The requested name.
         name: String,
         /// Machines that were probably meant.
         near: Vec<String>,
@@ -145,7 +145,7 @@ pub enum Refusal {
     #[error("too many uploads are under way (max_uploads, max_uploads_per_connection)")]
     TooManyUploads,
     /// Too many watches of the health service are open.
-    #[error("too many health watches are open, in all or from this address: end others, or call Check instead")]
+    #[error("too many health watches are open, in total or from this address: end others, or call Check instead")]
     TooManyHealthWatches,
     /// The answer does not fit into a message.
     #[error("the answer has {0} bytes, more than a message may have: {1}")]
@@ -194,7 +194,7 @@ pub enum Refusal {
     RefusedTooOften(Duration),
 }
 
-/// Names that were probably meant, before more text. Without a question mark, which some clients do not decode.
+/// Introduces similar names, before more text. There is no question mark, because some clients do not decode it.
 fn meant(near: &[String]) -> String {
     if near.is_empty() { String::new() } else { format!("similar names: '{}'; ", near.join("', '")) }
 }

@@ -24,7 +24,7 @@ pub(crate) fn is_tenant(text: &str) -> bool {
     (1..=63).contains(&text.len()) && text.bytes().all(allowed) && text.starts_with(|c: char| c.is_ascii_alphanumeric())
 }
 
-/// Refusal of a text that is not the name of a tenant; `place` says where it is.
+/// Refusal of a text that is not the name of a tenant; `place` is its location.
 pub(crate) fn no_tenant(place: &str, tenant: &str) -> String {
     format!("{place}: '{tenant}' is not a tenant: expected {}", RULE)
 }

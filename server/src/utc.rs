@@ -1,9 +1,9 @@
-//! Times of the clock as text, in UTC, for messages of the server and of the command line.
+//! Instants as text, in UTC, for messages of the server and the command line.
 
 use time::{OffsetDateTime, UtcDateTime};
 
 /// Date and time of day of an instant, ms since 1970, as `2026-11-27` and `17:39:05`. An instant outside the years
-/// -9999 to 9999 becomes the first or last one of these years.
+/// -9999 to 9999 becomes the first or last instant of that range.
 #[must_use]
 pub fn date_and_time(ms: i64) -> (String, String) {
     let (earliest, latest) = (UtcDateTime::MIN.unix_timestamp(), UtcDateTime::MAX.unix_timestamp());
@@ -21,7 +21,7 @@ pub fn instant(ms: i64) -> String {
     format!("{date} {time}")
 }
 
-/// The instant of a date of ISO 8601, ms since 1970: `2026-11-27`, `2026-11-27T17:39`, `2026-11-27 17:39:05Z` or
+/// The instant of an ISO 8601 date, ms since 1970: `2026-11-27`, `2026-11-27T17:39`, `2026-11-27 17:39:05Z` or
 /// `2026-11-27T18:39:05+01:00`. A date without an offset is UTC.
 #[must_use]
 pub fn from_iso(text: &str) -> Option<i64> {
@@ -51,7 +51,7 @@ fn clock_of(text: &str) -> Option<time::Time> {
     time::Time::from_hms(u8::try_from(hour).ok()?, u8::try_from(minute).ok()?, u8::try_from(second).ok()?).ok()
 }
 
-/// Seconds of an offset from UTC: nothing, `Z` or `+01:00`.
+/// Seconds of an offset from UTC: empty, `Z` or `+01:00`.
 fn offset_of(text: &str) -> Option<i32> {
     let sign = match text.get(..1) {
         None | Some("Z" | "z") => return (text.len() <= 1).then_some(0),
@@ -62,7 +62,7 @@ fn offset_of(text: &str) -> Option<i32> {
     (hours < 24 && minutes < 60).then_some(sign * (hours * 3600 + minutes * 60))
 }
 
-/// Numbers with these counts of digits, separated by a character.
+/// Numbers with these digit counts, separated by a character.
 fn numbers<const N: usize>(text: &str, separator: char, digits: [usize; N]) -> Option<[i32; N]> {
     let mut parts = text.split(separator);
     let mut numbers = [0; N];

@@ -1,8 +1,8 @@
 //! The audit log: caller, call and outcome, one JSON object per line.
 //!
 //! Calls that change something and refused ones are in it; of the refused calls of a stranger only the first ones of a
-//! minute. Contents of files and tokens never are. Invariants: a line is written whole before the answer leaves; each
-//! target of a change has a line before the change is made.
+//! minute. Contents of files and tokens never are. Invariants: a line is written completely before the answer is sent;
+//! each target of a change has a line before the change is made.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
@@ -24,7 +24,7 @@ const CALL: usize = 128;
 /// Maximum bytes of the reason of a refusal, which may contain text of the client.
 const REASON: usize = 256;
 
-/// Code of the lines about changes that are about to be made.
+/// Code of lines about changes that have not been made yet.
 const ASKED: &str = "Asked";
 
 /// The log.
@@ -57,7 +57,7 @@ struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// The line of a call now.
+    /// A line of a call with the current time.
     fn of(identity: Option<&'a Identity>, call: &'a str) -> Self {
         Self {
             time_ms: now_ms(),

@@ -95,7 +95,7 @@ fn is_of_reflection(path: &str) -> bool {
     service.is_some_and(|service| REFLECTION.contains(&service))
 }
 
-/// Whether the call of a path follows the health of the server until its client leaves.
+/// Whether the call of a path watches the health of the server until its client ends the call.
 pub(crate) fn watches_health(path: &str) -> bool {
     path == "/grpc.health.v1.Health/Watch"
 }

@@ -143,13 +143,13 @@ impl Caller {
         self.lock().clone()
     }
 
-    /// Records that the call begins to change its targets.
+    /// Records that the call is about to change its targets.
     pub(crate) fn begins(&self) {
         self.targets.begun.store(true, Ordering::SeqCst);
         self.asks(&self.targets());
     }
 
-    /// Records that the call is about to change these targets: the audit log names them before the change.
+    /// Writes these targets to the audit log before the call changes them.
     pub(crate) fn asks(&self, targets: &[String]) {
         if let Some(asked) = self.targets.asked.get() {
             asked(targets);
@@ -251,7 +251,7 @@ impl Access {
         let mut authorizations = headers.get_all(http::header::AUTHORIZATION).iter();
         let authorization = authorizations.next();
         if authorizations.next().is_some() {
-            let text = "the call has more than one 'authorization': send one token";
+            let text = "the call has more than one 'authorization' header: send only one";
             return Err((None, Refusal::Unauthenticated(text.to_owned())));
         }
         let (identity, _) = self.identify(authorization, names).map_err(|refusal| (None, refusal))?;

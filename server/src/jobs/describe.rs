@@ -107,7 +107,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         limit: limit(record.runs.reached).into(),
         cpu_us: record.runs.cpu_us,
         first_error: record.first_error.map(error),
-        // Only calls that ask for the state now fill these fields.
+        // Only calls that return the current state fill these fields.
         waits_for_suspect: false,
         waits_for_job: String::new(),
         operator_wait: None,

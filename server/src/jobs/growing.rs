@@ -1,35 +1,36 @@
-//! Bytes of a tenant that are about to be stored.
+//! Bytes that are being stored for a tenant.
 //!
-//! *Invariant:* what is added counts for the tenant until the value is dropped, once.
+//! *Invariant:* added bytes count once, for their tenant, until the value is dropped.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use super::lock::lock;
 
-/// The bytes of an upload in progress, or of the answers to a job that has not ended, which count until this is dropped.
+/// Bytes of an upload in progress, or of the answers to a job that has not ended. They count until this value is
+/// dropped.
 #[derive(Debug)]
 pub(crate) struct Growing {
     all: Arc<Mutex<BTreeMap<String, u64>>>,
     tenant: String,
     bytes: u64,
-    /// Its content is there already, so its bytes do not count.
+    /// The content is already stored, so its bytes do not count.
     stored: bool,
 }
 
 impl Growing {
-    /// Nothing yet, among the bytes of all tenants.
+    /// No bytes yet; `all` has the bytes of all tenants.
     pub(super) fn new(all: Arc<Mutex<BTreeMap<String, u64>>>, tenant: &str) -> Self {
         Self { all, tenant: tenant.to_owned(), bytes: 0, stored: false }
     }
 
-    /// The same for a content that is there already.
+    /// The same for content that is already stored.
     pub(super) fn stored(mut self) -> Self {
         self.stored = true;
         self
     }
 
-    /// The tenant for which further bytes count, if they do.
+    /// The tenant for which further bytes count; none if they do not count.
     pub(super) fn counted_for(&self) -> Option<&str> {
         (!self.stored).then_some(self.tenant.as_str())
     }
@@ -47,7 +48,7 @@ impl Growing {
         *of_tenant = of_tenant.saturating_add(bytes);
     }
 
-    /// Counts bytes no more that were not stored.
+    /// Subtracts bytes that were not stored after all.
     pub(crate) fn remove(&mut self, bytes: u64) {
         let bytes = bytes.min(self.bytes);
         self.bytes -= bytes;

@@ -23,8 +23,8 @@ fn size(answer: &Answer) -> u64 {
     (EACH + answer.button.as_ref().map_or(0, String::len) + texts.sum::<usize>()) as u64
 }
 
-/// Counts an answer of a tenant that is about to be stored among those of its job, or refuses it; `field` is its place in
-/// the request, and `most` the most bytes that the job may store. Returns its size.
+/// Counts an answer that is about to be stored, or refuses it. `field` is its place in the request, and `most` the
+/// number of bytes that the job may store. Returns the size of the answer.
 pub(crate) fn receive(
     core: &Core,
     received: &mut Option<Growing>,
@@ -34,14 +34,14 @@ pub(crate) fn receive(
     let (size, most) = (size(answer), MOST.min(most));
     let received = received.get_or_insert_with(|| core.growing(tenant));
     if received.bytes().saturating_add(size) > most {
-        let rule = format!("must have room in the {most} bytes for all answers to the questions of a job");
+        let rule = format!("must fit into the {most} bytes allowed for all answers to the questions of a job");
         return Err(Refusal::field(format!("{field}.values"), rule));
     }
     core.grow(received, size)?;
     Ok(size)
 }
 
-/// The bytes of the answers that earlier runs of a job of a tenant have received.
+/// The bytes of the answers that earlier runs of a job have received.
 pub(super) fn received_before(core: &Core, tenant: &str, answers: &[(u16, Option<Answer>)]) -> Growing {
     let bytes = answers.iter().filter_map(|(_, answer)| answer.as_ref()).map(size).sum();
     let mut growing = core.growing(tenant);

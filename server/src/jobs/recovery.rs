@@ -26,8 +26,8 @@ impl Core {
             let jobs = died.at_work;
             tracing::warn!(
                 jobs,
-                "the last server died while these jobs were at work: look for the cause at the end of its log; each of \
-                 them runs alone at first"
+                "the previous server died while these jobs were working: look for the cause at the end of its log; each \
+                 of them runs alone at first"
             );
         }
         let mut changed = Vec::new();
@@ -67,12 +67,12 @@ fn report(job: &Record) {
         State::Failed => tracing::warn!(
             job = id,
             tenant = job.tenant,
-            "given up: {error}; look for the cause at the end of the log of that server before you run it again"
+            "given up: {error}; look for the cause at the end of the log of the crashed server before you run the job again"
         ),
         State::Queued => tracing::warn!(
             job = id,
             crashes = job.runs.crashes.at_work,
-            "suspect: it waits to run alone; cancel it if it must not run again"
+            "suspect: the job waits to run alone; cancel it if it must not run again"
         ),
         state => tracing::info!(job = id, ?state, "recovered"),
     }

@@ -106,12 +106,12 @@ impl Core {
         Err(Refusal::quota(tenant, "tenant_bytes", most, text))
     }
 
-    /// An upload of a tenant that begins, or the answers to one of its jobs.
+    /// The bytes of an upload of a tenant, or of the answers to one of its jobs.
     pub(crate) fn growing(&self, tenant: &str) -> Growing {
         Growing::new(self.shares.growing.clone(), tenant)
     }
 
-    /// An upload of a content that the tenant has.
+    /// The bytes of an upload whose content the tenant already has.
     pub(crate) fn not_growing(&self, tenant: &str) -> Growing {
         self.growing(tenant).stored()
     }

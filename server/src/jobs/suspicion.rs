@@ -41,7 +41,7 @@ impl LoneSuspect {
         Some(Self { job, tenant })
     }
 
-    /// Adds the wait for this suspect to the status of another job. A job of another tenant is not named.
+    /// Adds the wait for this suspect to the status of another job. A suspect of another tenant is not named.
     pub(crate) fn mark(&self, status: &mut v1::JobStatus) {
         let open = matches!(status.state(), v1::JobState::Queued | v1::JobState::Running);
         if open && !status.paused && status.job_id != self.job {
@@ -58,7 +58,7 @@ impl Core {
     pub(super) fn clear(&self, queue: &mut Waiting) {
         let cleared = queue.jobs.take_cleared();
         for live in cleared.iter().filter_map(|id| self.live(id)) {
-            tracing::warn!(job = live.id, "no longer a suspect: other jobs run beside it, no action is needed");
+            tracing::warn!(job = live.id, "no longer a suspect: other jobs run beside it; no action is needed");
             live.change(|record| record.runs.suspect = false);
         }
         queue.cleared.extend(cleared);

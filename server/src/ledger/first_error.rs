@@ -1,13 +1,13 @@
-//! The first error of a job: the ledger keeps it, so that a status names it without the log.
+//! The first error of a job. The ledger keeps it, so that a status can name it without reading the log.
 //!
-//! *Invariant:* it has a bounded size, however long the texts of the programs and of the machine are.
+//! *Invariant:* its size is bounded, regardless of the texts in programs and machines.
 
 use counterpoint_kernel::log::summary::Summary;
 use serde::{Deserialize, Serialize};
 
 /// Lowest severity of an error.
 const ERROR: u8 = 8;
-/// Maximum bytes of the text and of the name of the file.
+/// Maximum bytes of the text and of the file name.
 const TEXT: usize = 512;
 const FILE: usize = 255;
 
@@ -28,7 +28,7 @@ pub struct FirstError {
     pub channel: u16,
 }
 
-/// The beginning of a text, with a mark if it is cut.
+/// The beginning of a text; an ellipsis marks a truncated text.
 fn cut(text: &str, most: usize) -> String {
     const MARK: &str = "…";
     if text.len() <= most {

@@ -358,7 +358,7 @@ pub struct Record {
     /// Digest of the log.
     #[serde(default)]
     pub log_digest: String,
-    /// Its first error.
+    /// The first error of the job.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_error: Option<FirstError>,
 }

@@ -141,7 +141,8 @@ impl Disk {
         File::open(path)
     }
 
-    /// Free bytes for the server on the disk of a folder, whose last reading the caller keeps; `None` where the system does not say.
+    /// Free bytes for the server on the disk of a folder; `None` if the system does not report them. The caller keeps
+    /// the last reading.
     pub(crate) fn free(&self, folder: &Path, last: &FreeSpace) -> Option<u64> {
         let injected = self.faults.as_ref().and_then(|faults| faults.free());
         injected.or_else(|| last.at(Instant::now(), || free(folder)))

@@ -1,11 +1,11 @@
-//! Free bytes on a disk, as they were a moment ago.
+//! Free bytes on a disk, from a recent reading.
 //!
-//! Each job asks for them several times. Invariant: a reading is at most [`VALID`] old.
+//! Each job needs the number several times. Invariant: a reading is at most [`VALID`] old.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long a reading counts.
+/// How long a reading is valid.
 const VALID: Duration = Duration::from_millis(20);
 
 /// The last reading.
@@ -15,7 +15,7 @@ pub(crate) struct FreeSpace {
 }
 
 impl FreeSpace {
-    /// The free bytes at this time; `read` asks the system, unless the last reading still counts.
+    /// The free bytes at this time; `read` asks the system if the last reading is no longer valid.
     pub(crate) fn at(&self, now: Instant, read: impl FnOnce() -> Option<u64>) -> Option<u64> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((at, free)) = *last

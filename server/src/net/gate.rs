@@ -192,7 +192,7 @@ impl Gate {
         code
     }
 
-    /// Notes a call that has ended before its answer, with its targets.
+    /// Notes a call that ended before it was answered, with its targets.
     pub(super) fn unanswered(
         &self,
         peer: SocketAddr,
@@ -210,7 +210,7 @@ impl Gate {
         }
     }
 
-    /// Lets the audit log name each change of a call before the change is made.
+    /// Makes the audit log name each change of a call before it is made.
     pub(super) fn note_before(self: &Arc<Self>, peer: SocketAddr, caller: &Caller, path: &str) {
         if self.audit.is_none() || !changes(path) {
             return;

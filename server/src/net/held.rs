@@ -43,7 +43,7 @@ impl Held {
         Self { ended, ..self }
     }
 
-    /// The body of a call that keeps a place until its end.
+    /// The body of a call that holds a place until its end.
     pub(super) fn keeping(self, place: Option<Place<IpAddr>>) -> Self {
         Self { _place: place, ..self }
     }

@@ -57,7 +57,7 @@ pub(crate) const MAX_MESSAGE: usize = 4 << 20;
 /// Maximum size of a message to the health service, bytes. This service needs no identity, so its messages must not
 /// take memory from other calls.
 pub(crate) const MAX_OF_HEALTH: usize = 4 << 10;
-/// Maximum number of open watches of the health service, and of those from one address. They need no identity.
+/// Maximum numbers of open watches of the health service: in total, and from one address. They need no identity.
 const HEALTH_WATCHES: usize = 256;
 const HEALTH_WATCHES_OF_AN_ADDRESS: usize = 32;
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.

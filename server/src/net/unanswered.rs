@@ -1,7 +1,7 @@
 //! Calls that end without an answer.
 //!
-//! *Invariant:* a call that may have changed something has a line in the audit log, even if its client has ended the
-//! call or its deadline has passed. The line is written when the work of the call is over.
+//! *Invariant:* a call that may have changed something has a line in the audit log, even if its client ended the call
+//! or its deadline passed. The line is written when the work of the call is done.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,8 +12,8 @@ use tonic::body::Body;
 use super::Peer;
 use crate::access::Caller;
 
-/// A call without an answer. If its client ends it or its deadline passes, its future is dropped, and the audit log gets
-/// a line.
+/// A call that has not been answered yet. If its client ends it or its deadline passes, its future is dropped, and the
+/// audit log gets a line.
 pub(super) struct Unanswered {
     peer: Arc<Peer>,
     caller: Option<Caller>,
@@ -36,13 +36,13 @@ impl Unanswered {
         Self { peer, caller, path, end: CallEnd::Client }
     }
 
-    /// The call has an answer.
+    /// Records that the call was answered.
     pub(super) fn answered(mut self, response: &Response<Body>, time: Duration) {
         let path = std::mem::take(&mut self.path);
         self.peer.gate.answered(self.peer.address, self.caller.as_ref(), &path, response, time);
     }
 
-    /// The deadline of the call has passed; `response` says so.
+    /// Records that the deadline of the call has passed; `response` reports it.
     pub(super) fn late(mut self, response: &Response<Body>, time: Duration) {
         self.end = CallEnd::Deadline;
         self.peer.gate.counted(&self.path, response, time);

@@ -52,8 +52,8 @@ group! {
         max_programs: usize = 64, "COUNTERPOINT_MAX_PROGRAMS", "N";
         /// Maximum wall-clock running time of one run, ms; also the default of a job
         max_wall_ms: u64 = 3_600_000, "COUNTERPOINT_MAX_WALL_MS", "MS";
-        /// Maximum size of a log, of the files that macros of a job have written, and of the answers to its questions,
-        /// bytes each; also the default of a job
+        /// Maximum size in bytes, each, of the log of a job, the files that its macros have written, and the answers to
+        /// its questions; also the default of a job
         max_job_bytes: u64 = 4 << 30, "COUNTERPOINT_MAX_JOB_BYTES", "BYTES";
         /// Maximum simulated time of a job, ns
         max_simulated_ns: i64 = MOST.simulated_ns, "COUNTERPOINT_MAX_SIMULATED_NS", "NS";

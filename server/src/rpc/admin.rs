@@ -35,7 +35,7 @@ fn connection(seen: Seen) -> v1::ConnectionInfo {
 /// Most connections of a page.
 const CONNECTIONS: usize = 1000;
 
-/// The first page of connections, and the token of the next page: the number of the last connection.
+/// The next page of connections, and the token of the page after it: the number of the last connection.
 fn connections_page(all: impl Iterator<Item = v1::ConnectionInfo>, size: usize) -> (Vec<v1::ConnectionInfo>, String) {
     let size = if size == 0 { usize::MAX } else { size.min(CONNECTIONS) };
     let (mut page, mut bytes) = (Vec::<v1::ConnectionInfo>::new(), 0);

@@ -1,7 +1,7 @@
-//! The answers that a dialog can take.
+//! Checks whether a dialog accepts an answer.
 //!
-//! *Invariant:* an answer that its dialog cannot take whatever its other values are is refused before it is stored. Its
-//! question stays open.
+//! *Invariant:* an answer with a value that its dialog can never accept is refused before it is stored. Its question
+//! stays open.
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::dialog_field::Kind;
@@ -9,7 +9,7 @@ use counterpoint_proto::v1::dialog_value::Value;
 
 use crate::reason::Refusal;
 
-/// Refuses an answer with a value that has no field, or whose kind or length its field does not take. `field` is the
+/// Refuses an answer with a value that has no field, or whose field does not accept its type or length. `field` is the
 /// place of the answer in the request.
 pub(super) fn check(field: &str, question: &v1::Question, answer: &v1::DialogAnswer) -> Result<(), Refusal> {
     let no_dialog = v1::Dialog::default();
@@ -19,7 +19,7 @@ pub(super) fn check(field: &str, question: &v1::Question, answer: &v1::DialogAns
         let mut kinds = dialog.fields.iter().filter(|field| same(&field.variable)).filter_map(|f| f.kind.as_ref());
         let rule = match kinds.next() {
             Some(kind) => broken(kind, value.value.as_ref()),
-            // Variables that decide about fields.
+            // Variables that decide which fields are shown.
             None if question.values.keys().any(|name| same(name)) => None,
             None => Some(format!("be a variable of a field: the dialog '{}' has no such field", dialog.name)),
         };
@@ -31,7 +31,7 @@ pub(super) fn check(field: &str, question: &v1::Question, answer: &v1::DialogAns
 /// The rule that a value breaks.
 fn broken(kind: &Kind, value: Option<&Value>) -> Option<String> {
     match (kind, value) {
-        // An empty text is no value.
+        // An empty text means no value.
         (_, None) => None,
         (_, Some(Value::Text(text))) if text.is_empty() => None,
         (Kind::LongestText(longest), Some(Value::Text(text))) => {

@@ -17,7 +17,7 @@ use crate::machines::{Checked, Definition, is_name, is_shipped, shipped};
 use crate::net::MAX_MESSAGE;
 use crate::reason::Refusal;
 
-/// An answer that fits into a message.
+/// Refuses an answer that does not fit into a message.
 fn fitting(answer: v1::GetMachineResponse, most: usize) -> Result<v1::GetMachineResponse, Refusal> {
     const REMEDY: &str = "ask for one section, or for none and read the files with Download";
     match answer.encoded_len() {

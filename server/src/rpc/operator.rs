@@ -131,8 +131,8 @@ fn attend(
 /// An answer, with its place in the request.
 type Given = (&'static str, v1::DialogAnswer);
 
-/// Answers a question, or declines it if there is no answer; false if the question is closed. If the dialog cannot take
-/// the answer, or the answer cannot be stored, the question stays open.
+/// Answers a question, or declines it if there is no answer; false if the question is closed. If the dialog does not
+/// accept the answer, or the answer cannot be stored, the question stays open.
 async fn settle(core: &Core, live: &Live, id: u64, given: Option<Given>) -> Result<bool, Refusal> {
     if let (Some((field, answer)), Some(question)) = (&given, live.desk().question(id)) {
         answers::check(field, &question, answer)?;

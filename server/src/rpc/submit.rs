@@ -314,7 +314,7 @@ pub(super) fn machine(core: &Core, tenant: &str, name: &str) -> Result<Definitio
 /// Most machines that a refusal suggests.
 const SUGGESTED: usize = 3;
 
-/// The refusal of a name that no machine has, with the machines that were probably meant.
+/// The refusal of an unknown machine, with similar names.
 pub(super) fn unknown_machine(core: &Core, tenant: &str, name: &str) -> Result<Refusal, Refusal> {
     let own = core.ledger.machines(tenant)?;
     let shipped = shipped().iter().map(String::as_str);
@@ -325,9 +325,9 @@ pub(super) fn unknown_machine(core: &Core, tenant: &str, name: &str) -> Result<R
     Ok(Refusal::UnknownMachine { name: name.to_owned(), near: near.into_iter().map(str::to_owned).collect() })
 }
 
-/// Digest of a client's request, without the request id and the deadline: a deadline that a client computes from a time
-/// span differs when the request is repeated. It covers nothing of the server, and a field unknown to the client counts
-/// as empty: the same request has the same digest for every version.
+/// Digest of a client's request, without the request id and the deadline: a deadline that a client computes from a
+/// duration differs when the request is repeated. It does not cover any settings of the server, and a field that the
+/// client does not know counts as empty. So the same request has the same digest in every version.
 fn content_of(request: &v1::SubmitJobRequest) -> String {
     let mut sent = v1::SubmitJobRequest { request_id: String::new(), deadline_ms: 0, ..request.clone() };
     sent.files.sort_by(|a, b| a.path.cmp(&b.path));

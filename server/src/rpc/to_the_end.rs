@@ -18,7 +18,7 @@ type Work<T> = Pin<Box<dyn Future<Output = Result<T, Refusal>> + Send>>;
 /// A change in progress. If it is dropped, the rest of the change becomes a separate task.
 pub(super) struct ToTheEnd<T: Send + 'static> {
     runtime: Handle,
-    /// Dropped after the work: the audit log gets the line of the call then.
+    /// Dropped after the work; the audit log then gets the line of the call.
     caller: Caller,
     /// `None` after the end.
     work: Option<Work<T>>,

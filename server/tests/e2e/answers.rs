@@ -1,4 +1,4 @@
-//! Answers of an operator that the server does not take.
+//! Answers of an operator that the server refuses.
 
 use std::collections::BTreeMap;
 
@@ -70,7 +70,7 @@ async fn an_answer_that_its_dialog_cannot_take_is_refused_by_name_and_the_questi
         }
     };
     assert_eq!(violation(&refused).0, "answer.answer.values");
-    // Variables have no letter case, and an empty text is no value. The question also lists DEPTH.
+    // Letter case of variables is ignored, and an empty text means no value. The question also lists DEPTH.
     let values = [("name", text("12345")), ("COUNT", text("")), ("CLAMP", Value::Flag(true)), ("DEPTH", text("x"))];
     assert!(give(&server, &job, question, answer(&values)).await.unwrap());
     assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);

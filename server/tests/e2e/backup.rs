@@ -74,7 +74,7 @@ async fn a_backup_whose_server_restarts_or_dies_ends_with_an_error_at_once() {
         let server = Server::start(options(&data)).await;
         server.wait(&server.submit("one", "EVENTS 9").await).await;
         server.stop().await;
-        // A server that does not get to the request before it ends.
+        // A server that exits before it handles the request.
         let lock = std::fs::File::options().write(true).open(data.join("lock")).unwrap();
         lock.lock().unwrap();
         let (from, to) = (data.clone(), copy.clone());
@@ -92,8 +92,8 @@ async fn a_backup_whose_server_restarts_or_dies_ends_with_an_error_at_once() {
         }
         let (code, text) = backup.await.unwrap();
         let expected = match restarts {
-            true => "the server has been restarted since: run the backup again",
-            false => "the server has ended since: run the backup again",
+            true => "the server was restarted during the backup: run the backup again",
+            false => "the server exited during the backup: run the backup again",
         };
         assert!(code == Some(3) && text.contains(expected), "{code:?} {text}");
         assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());

@@ -55,12 +55,14 @@ async fn the_log_and_the_status_name_a_job_that_runs_alone_and_the_end_of_that()
     drop(server);
     let server = Process::start(folder.path());
     let warning = |line: &str| assert!(line.contains("WARN"), "{line}");
-    let cause = "the last server died while these jobs were at work: look for the cause at the end of its log";
+    let cause = "the previous server died while these jobs were working: look for the cause at the end of its log";
     warning(&server.until(cause).await);
     let remedy = "cancel it if it must not run again";
-    warning(&server.until(&format!("suspect: it waits to run alone; {remedy} job=\"{job}\"")).await);
+    warning(&server.until(&format!("suspect: the job waits to run alone; {remedy} job=\"{job}\"")).await);
     let remedy = "cancel it if they must not wait";
-    warning(&server.until(&format!("runs alone after a crash: other jobs wait; {remedy} job=\"{job}\"")).await);
+    warning(
+        &server.until(&format!("the job runs alone after a crash, and other jobs wait; {remedy} job=\"{job}\"")).await,
+    );
     assert!(status(&server, &job).await.suspect);
     let workers = AdminClient::new(connected(&server).await).list_workers(v1::ListWorkersRequest {}).await;
     assert!(workers.unwrap().into_inner().workers.iter().all(|worker| worker.suspect));
@@ -74,7 +76,7 @@ async fn the_log_and_the_status_name_a_job_that_runs_alone_and_the_end_of_that()
     assert!(!status(&server, &job).await.waits_for_suspect);
     warning(
         &server
-            .until(&format!("no longer a suspect: other jobs run beside it, no action is needed job=\"{job}\""))
+            .until(&format!("no longer a suspect: other jobs run beside it; no action is needed job=\"{job}\""))
             .await,
     );
     assert!(!status(&server, &job).await.suspect);
@@ -90,7 +92,8 @@ async fn the_log_says_that_a_job_is_given_up() {
     let server = Process::start_with(folder.path(), &["--attempts", "1"]);
     let line = server.until("given up: poison: the server died 1 times while this job ran alone").await;
     assert!(line.contains("WARN") && line.contains(&job), "{line}");
-    assert!(line.contains("look for the cause at the end of the log of that server before you run it again"), "{line}");
+    let remedy = "look for the cause at the end of the log of the crashed server before you run the job again";
+    assert!(line.contains(remedy), "{line}");
     let status = status(&server, &job).await;
     assert!(status.state() == v1::JobState::Failed && !status.suspect, "{status:?}");
 }

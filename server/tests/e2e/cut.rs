@@ -68,8 +68,8 @@ impl Cut {
         self.gate.set(false);
     }
 
-    /// Makes a call whose deadline passes while its change is on the way to the disk, and returns its answer. No client
-    /// ends the call earlier.
+    /// Makes a call whose deadline passes while its change is being written, and returns its answer. The client does
+    /// not end the call.
     async fn late(&self, token: &str, call: &str, request: &impl prost::Message) -> String {
         let mut body = vec![0];
         body.extend(u32::try_from(request.encoded_len()).unwrap().to_be_bytes());

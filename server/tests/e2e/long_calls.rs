@@ -1,4 +1,4 @@
-//! Calls of the services beside the contract that clients may hold open: health watches and reflection.
+//! Calls outside the contract that clients may hold open: health watches and reflection.
 
 use std::time::{Duration, Instant};
 

@@ -138,7 +138,7 @@ impl LocalQueue {
             tracing::warn!(
                 job = id,
                 ?longest,
-                "runs alone after a crash: other jobs wait; cancel it if they must not wait"
+                "the job runs alone after a crash, and other jobs wait; cancel it if they must not wait"
             );
             started = Some(self.begin(id, tenant, look.now));
         }
