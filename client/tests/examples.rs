@@ -1,5 +1,5 @@
-//! Runs the example clients in Go, in C#, for Node and for browsers against a server. An example whose tools or packages are
-//! absent is skipped with a message.
+//! Runs the example clients in Go, in C#, for Node and for browsers against a server. An example is skipped with a
+//! message if its tools or packages are missing.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
 
@@ -98,7 +98,7 @@ fn check(command: &dyn Fn() -> Command, dash: &str, folder: &Path) {
     assert_prose(&text(&output));
 }
 
-/// An error is a sentence: it has no code of gRPC, and no text of the operating system or of OpenSSL.
+/// An error is a sentence: it has no gRPC code and no text of the operating system or of OpenSSL.
 fn assert_prose(text: &str) {
     for raw in ["UNAVAILABLE", "UNAUTHENTICATED", "NOT_FOUND", "Unavailable", "NotFound", "rpc error", "[not_found]"] {
         assert!(!text.contains(raw), "{raw}: {text}");
@@ -239,7 +239,7 @@ fn check_encrypted(command: &dyn Fn() -> Command, folder: &Path) {
         assert!(output.status.success() && text(&output).contains("SUCCEEDED after"), "{}", text(&output));
     }
     for (server, ca, part) in [
-        (format!("https://localhost:{port}"), "other.pem", "no known authority has signed the certificate"),
+        (format!("https://localhost:{port}"), "other.pem", "is signed by an unknown authority"),
         (format!("http://localhost:{port}"), "ca.pem", "it may expect https://"),
     ] {
         let output = run(&server, ca);

@@ -47,15 +47,16 @@ catch (Exception error) when (error is IOException or UnauthorizedAccessExceptio
     return 2;
 }
 
-// The message of the server names the fault and the remedy.
+// The server's message names the fault and the remedy.
 static string Sentence(RpcException error) => error.StatusCode switch
 {
     // A refusal of the server has details; a lost connection has none.
     StatusCode.Unavailable when error.Trailers.Any(entry => entry.Key == "grpc-status-details-bin") =>
         $"{error.Status.Detail}: try again later",
     StatusCode.Unavailable =>
-        "no connection to the server: check the address with http or https, the certificates, and that counterpointd runs",
-    StatusCode.Unauthenticated => $"{error.Status.Detail}: put a token for this server into COUNTERPOINT_TOKEN",
+        "no connection to the server: check the address (http or https), the certificates, "
+            + "and that counterpointd is running",
+    StatusCode.Unauthenticated => $"{error.Status.Detail}: set COUNTERPOINT_TOKEN to a token for this server",
     _ => error.Status.Detail,
 };
 

@@ -64,7 +64,7 @@ func main() {
 	}
 }
 
-// sentence describes an error: the message of the server names the fault and the remedy.
+// sentence describes an error: the server's message names the fault and the remedy.
 func sentence(err error) string {
 	answer, ok := status.FromError(err)
 	if !ok {
@@ -76,9 +76,9 @@ func sentence(err error) string {
 		if len(answer.Details()) > 0 {
 			return answer.Message() + ": try again later"
 		}
-		return "the connection to the server was lost: check that counterpointd runs, then try again"
+		return "the connection to the server was lost: check that counterpointd is running, then try again"
 	case codes.Unauthenticated:
-		return answer.Message() + ": put a token for this server into COUNTERPOINT_TOKEN"
+		return answer.Message() + ": set COUNTERPOINT_TOKEN to a token for this server"
 	default:
 		return answer.Message()
 	}

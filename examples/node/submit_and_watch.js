@@ -54,31 +54,33 @@ function pem(variable) {
 
 /** Causes of failed connections: a pattern for the text of Node or OpenSSL, and a sentence. */
 const CAUSES = [
-  [/ECONNREFUSED/, "nothing listens at this address"],
-  [/ENOTFOUND|EAI_AGAIN|Name resolution failed/, "the host has no known address"],
+  [/ECONNREFUSED/, "no server listens at this address"],
+  [/ENOTFOUND|EAI_AGAIN|Name resolution failed/, "the host name cannot be resolved"],
   [/ETIMEDOUT|EHOSTUNREACH|ENETUNREACH|too slow/, "the host does not answer"],
   [/wrong version number|packet length too long/, "the server does not encrypt: use http://"],
-  [/altnames|not match certificate/, "the certificate of the server is for another name than this host"],
-  [/has expired|not yet valid/, "the certificate of the server is not valid today"],
+  [/altnames|not match certificate/, "the certificate of the server is for a different host name"],
+  [/has expired|not yet valid/, "the certificate of the server has expired or is not valid yet"],
   [
     /unable to (verify|get)|self[- ]signed/,
-    "no known authority has signed the certificate of the server: COUNTERPOINT_CA must name the authority's file",
+    "the certificate of the server is signed by an unknown authority: set COUNTERPOINT_CA to the authority's file",
   ],
   [
     /alert.*certificate|certificate required|handshake failure/,
-    "the server accepts no client without a known certificate: set COUNTERPOINT_CLIENT_CERT and COUNTERPOINT_CLIENT_KEY",
+    "the server requires a client certificate that it knows: set COUNTERPOINT_CLIENT_CERT and COUNTERPOINT_CLIENT_KEY",
   ],
   [/ECONNRESET|GOAWAY|socket|closed|dropped/i, "the server has closed the connection: it may expect https://"],
 ];
 
-/** The cause in the details of a failed connection, in words. A server with TLS gives a client without TLS no cause. */
+/** The cause of a failed connection, in words. A server with TLS does not tell a client without TLS the cause. */
 function reason(details, secure = true) {
   const known = CAUSES.find(([pattern]) => pattern.test(details));
-  const other = secure ? "the cause is not known" : "the server does not answer without encryption: it may expect https://";
+  const other = secure
+    ? "the cause is unknown"
+    : "the server does not answer without encryption: it may expect https://";
   return known ? known[1] : other;
 }
 
-/** An error of a call as a sentence: the message of the server names the fault and the remedy. */
+/** An error of a call as a sentence: the server's message names the fault and the remedy. */
 function sentence(error) {
   // grpc-js leaves these characters of a message encoded.
   const details = error.details?.replaceAll("%3F", "?").replaceAll("%23", "#");
@@ -87,9 +89,9 @@ function sentence(error) {
       // A refusal of the server has details; a lost connection has none.
       return error.metadata?.get("grpc-status-details-bin").length > 0
         ? `${details}: try again later`
-        : `the connection to the server was lost (${reason(details)}): check that counterpointd runs, then try again`;
+        : `the connection to the server was lost (${reason(details)}): check that counterpointd is running, then try again`;
     case grpc.status.UNAUTHENTICATED:
-      return `${details}: put a token for this server into COUNTERPOINT_TOKEN`;
+      return `${details}: set COUNTERPOINT_TOKEN to a token for this server`;
     default:
       return details || error.message;
   }
@@ -114,7 +116,7 @@ async function connect(address) {
       (error) => reason(error.details, url.startsWith("https:")),
     );
     first.close();
-    const advice = "check the address with http or https, and that counterpointd runs";
+    const advice = "check the address (http or https), and that counterpointd is running";
     throw new Unreachable(`no connection to ${url}: ${cause}; ${advice}`);
   }
   const channelOverride = first.getChannel();

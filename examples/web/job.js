@@ -46,7 +46,7 @@ export async function connect(baseUrl, token) {
   return clients;
 }
 
-/** An error as a sentence: the message of the server names the fault and the remedy. */
+/** An error as a sentence: the server's message names the fault and the remedy. */
 export function sentence(error) {
   if (!(error instanceof ConnectError)) {
     return error.message;
@@ -57,7 +57,7 @@ export function sentence(error) {
       // A refusal of the server has details; a lost connection has none.
       return error.details.length > 0
         ? `${error.rawMessage}: try again later`
-        : "the connection to the server was lost: check that counterpointd runs, then try again";
+        : "the connection to the server was lost: check that counterpointd is running, then try again";
     case Code.Unauthenticated:
       return `${error.rawMessage}: give a token for this server`;
     default:
@@ -83,7 +83,7 @@ export async function submit({ blobs, jobs }, machine, files) {
   return status.jobId;
 }
 
-/** The first error of a failed job with its place, or an empty text. */
+/** The first error of a failed job with its place, or an empty string. */
 export function firstError({ firstError: error }) {
   return error ? `first error: ${error.file}:${error.line}: ${error.number} ${error.text}` : "";
 }

@@ -26,7 +26,7 @@ def limit_name(status: jobs_pb2.JobStatus) -> str:
 
 
 def first_error(status: jobs_pb2.JobStatus) -> str:
-    """The first error of a failed job with its place, for example `part.nc:3: 2900061 division by zero`; else empty."""
+    """The first error of a failed job with its place, for example `part.nc:3: 2900061 division by zero`, or empty."""
     if not status.HasField("first_error"):
         return ""
     error = status.first_error
