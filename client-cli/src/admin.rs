@@ -101,11 +101,11 @@ fn worker(w: v1::WorkerInfo) -> Vec<String> {
 /// The answer to a request for a shutdown.
 fn drained(running: u32, grace_s: u64) -> String {
     let jobs = match running {
-        0 => "no job runs".to_owned(),
-        1 => format!("1 job runs and has {grace_s} s to end"),
-        running => format!("{running} jobs run and have {grace_s} s to end"),
+        0 => "no job is running".to_owned(),
+        1 => format!("1 job is running and has {grace_s} s to end"),
+        running => format!("{running} jobs are running and have {grace_s} s to end"),
     };
-    format!("the server shuts down: {jobs}\n")
+    format!("the server is shutting down: {jobs}\n")
 }
 
 #[cfg(test)]
@@ -122,9 +122,9 @@ mod tests {
     #[test]
     fn the_jobs_of_a_shutdown_are_counted_in_words() {
         for (running, text) in [
-            (0, "the server shuts down: no job runs\n"),
-            (1, "the server shuts down: 1 job runs and has 30 s to end\n"),
-            (2, "the server shuts down: 2 jobs run and have 30 s to end\n"),
+            (0, "the server is shutting down: no job is running\n"),
+            (1, "the server is shutting down: 1 job is running and has 30 s to end\n"),
+            (2, "the server is shutting down: 2 jobs are running and have 30 s to end\n"),
         ] {
             assert_eq!(drained(running, 30), text);
         }

@@ -118,7 +118,7 @@ pub(crate) enum Command {
     Attend(Follow),
     /// Step through a job submitted with --step, with the commands of `run --step`
     Step(Follow),
-    /// Wait for the ends of jobs, of single ones or of all that a filter selects
+    /// Wait until jobs have ended: the named jobs, or all that a filter selects
     Wait(Wait),
     /// List the jobs of a server
     #[command(after_help = JOBS_EXAMPLES)]
@@ -160,9 +160,9 @@ pub(crate) enum Command {
     /// Explain a word of a program on a machine, a diagnostic, an alarm, or a word of the macro language
     #[command(after_help = EXPLAIN_EXAMPLES)]
     Explain(Explain),
-    /// Write man pages of all commands into a folder, or the first page to standard output
+    /// Write man pages of all commands into a folder, or print the page of the program
     Man {
-        /// Folder to write, such as /usr/local/share/man/man1 [default: print one page for `man -l -`]
+        /// Folder for the pages, such as /usr/local/share/man/man1 [default: print one page, for `man -l -`]
         #[arg(value_name = "DIR")]
         folder: Option<PathBuf>,
     },
@@ -251,7 +251,7 @@ pub(crate) struct Submit {
     /// line, in the order of the programs. With --request-id ID the request ids are ID-1, ID-2 and so on in this order
     #[arg(long)]
     pub(crate) each: bool,
-    /// With --each, report a program as not submitted if the server has no room for it, instead of waiting
+    /// With --each, do not wait while the server has no room for a program, but report it as not submitted
     #[arg(long, requires = "each")]
     pub(crate) no_wait: bool,
     /// Run the job even if the server keeps the results of an equal one

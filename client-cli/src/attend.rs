@@ -185,7 +185,7 @@ impl Attendant {
     }
 }
 
-/// The place of a question; a question before the first block has none.
+/// The place of a question; a question before the first block has no line.
 fn place(file: &str, line: u32) -> String {
     match (file, line) {
         ("", _) => String::new(),
@@ -276,7 +276,9 @@ fn shown(kind: &Kind, value: &Value) -> String {
 fn read(kind: &Kind, line: &str) -> Result<Value, String> {
     match kind {
         Kind::LongestText(longest) => match line.chars().count() {
-            count if count > *longest as usize => Err(format!("the text has {count} characters: at most {longest}")),
+            count if count > *longest as usize => {
+                Err(format!("the text has {count} characters; at most {longest} are allowed"))
+            }
             _ => Ok(Value::Text(line.to_owned())),
         },
         Kind::Number(_) => match line.parse::<f64>() {
@@ -312,7 +314,7 @@ mod tests {
     fn input_that_the_server_refuses_is_asked_for_again() {
         let (text, number) = (Kind::LongestText(3), Kind::Number(v1::NumberField::default()));
         assert_eq!(read(&text, "äöü"), Ok(Value::Text("äöü".to_owned())));
-        assert_eq!(read(&text, "abcd"), Err("the text has 4 characters: at most 3".to_owned()));
+        assert_eq!(read(&text, "abcd"), Err("the text has 4 characters; at most 3 are allowed".to_owned()));
         assert_eq!(read(&number, "-1.5"), Ok(Value::Number(-1.5)));
         for line in ["nan", "inf", "1e999", "x"] {
             assert_eq!(read(&number, line), Err(format!("'{line}' is not a valid number")));

@@ -44,13 +44,13 @@ pub(crate) struct Submitted {
     pub(crate) duplicate: bool,
 }
 
-/// Reports that the calls of this client are tried again.
+/// Reports that this client retries its calls.
 fn say_again(error: &counterpoint_client::Error, patience: Duration) {
     let why = match error.reason().as_deref() {
         Some("DRAINING") => "the server is shutting down".to_owned(),
         _ => error.to_string(),
     };
-    say::status_line(format!("{why}; trying again for {} s", patience.as_secs()));
+    say::status_line(format!("{why}; trying again for up to {} s", patience.as_secs()));
 }
 
 impl Client {
@@ -60,7 +60,7 @@ impl Client {
         Self::connect_as(address, false).await
     }
 
-    /// Connects to a server. Unless `quiet`, a line of status reports that calls are tried again.
+    /// Connects to a server. Unless `quiet`, a status line reports retries.
     pub(crate) async fn connect_as(address: &str, quiet: bool) -> Result<Self, Error> {
         let mut settings = Settings::from_environment(address)?;
         if !quiet {

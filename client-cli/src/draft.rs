@@ -1,4 +1,4 @@
-//! Files of results: written beside their place under another name, and renamed when they are complete.
+//! Result files: each is written under a temporary name in its final folder, and renamed when it is complete.
 //!
 //! *Invariant:* a regular file has its final name only with its whole content; an interrupted or failed command leaves
 //! an earlier file of that name unchanged.
@@ -11,7 +11,7 @@ use tempfile::{Builder, TempPath};
 
 use crate::error::Error;
 
-/// End of the names of incomplete files.
+/// Suffix of incomplete files.
 const INCOMPLETE: &str = ".incomplete";
 
 /// A file that is being written; dropping it without [`Draft::finish`] removes it.
@@ -23,9 +23,9 @@ pub(crate) struct Draft {
 }
 
 impl Draft {
-    /// Starts a file.
+    /// Creates the temporary file.
     pub(crate) fn new(path: &Path) -> Result<Self, Error> {
-        // A link stays, and its target is replaced.
+        // A symbolic link stays, and its target is replaced.
         let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let existing = fs::metadata(&place).ok();
         if existing.as_ref().is_some_and(|meta| !meta.is_file()) {
@@ -49,14 +49,14 @@ impl Draft {
         self.file.write_all(data).map_err(Error::file(&self.place))
     }
 
-    /// Gives the complete file its name.
+    /// Renames the complete file to its final name.
     pub(crate) fn finish(self) -> Result<(), Error> {
         let Some(draft) = self.draft else { return Ok(()) };
         draft.persist(&self.place).map_err(|error| Error::file(&self.place)(error.error))
     }
 }
 
-/// A new file with the permissions of any other new file.
+/// A new file with the usual permissions of new files.
 fn new_file(folder: &Path, prefix: &str) -> std::io::Result<(File, TempPath)> {
     let mut builder = Builder::new();
     builder.prefix(prefix).suffix(INCOMPLETE);

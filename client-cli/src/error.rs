@@ -11,7 +11,7 @@ use tonic_types::StatusExt as _;
 /// Environment variable with the token of the caller.
 const TOKEN: &str = "COUNTERPOINT_TOKEN";
 
-/// The quota of the waiting jobs of a tenant, which passes when one of them starts.
+/// The quota of a tenant's waiting jobs, which has room again when one of them starts.
 const WAITING_JOBS: &str = "tenant_queued";
 
 /// A failed command.
@@ -34,7 +34,7 @@ pub(crate) enum Error {
         /// Error of the operating system.
         error: std::io::Error,
     },
-    /// Results that the server refused, while the others were written: each file with its refusal.
+    /// Results that the server refused: each file with its refusal. The other results were written.
     #[error("{}", not_written(.0))]
     NotWritten(Vec<(String, Error)>),
     /// Standard output was closed by its reader: not an error.
@@ -54,7 +54,7 @@ fn file_problem(path: &str, error: &std::io::Error) -> String {
 }
 
 fn not_written(failed: &[(String, Error)]) -> String {
-    let one = |(path, error): &(String, Error)| format!("'{path}' is not written: {error}");
+    let one = |(path, error): &(String, Error)| format!("'{path}' was not written: {error}");
     failed.iter().map(one).collect::<Vec<_>>().join("\n       ")
 }
 
@@ -73,7 +73,7 @@ fn refusal(status: &Status) -> String {
 fn token(given: Option<&OsStr>) -> &'static str {
     match given {
         Some(token) if !token.is_empty() => "the token came from COUNTERPOINT_TOKEN",
-        _ => "put a token for this server into COUNTERPOINT_TOKEN",
+        _ => "set COUNTERPOINT_TOKEN to a token for this server",
     }
 }
 

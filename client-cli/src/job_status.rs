@@ -33,10 +33,10 @@ pub(crate) fn first_error(job: &v1::JobStatus) -> Option<String> {
 /// Why a job waits although workers may be free.
 pub(crate) fn waits(job: &v1::JobStatus) -> Option<String> {
     let suspect = match job.waits_for_job.as_str() {
-        "" => "a job of another tenant",
-        id => id,
+        "" => "a job of another tenant".to_owned(),
+        id => format!("job {id}"),
     };
-    job.waits_for_suspect.then(|| format!("waits while {suspect}, suspected of the last crash, runs alone"))
+    job.waits_for_suspect.then(|| format!("waits while {suspect}, suspected of causing the last crash, runs alone"))
 }
 
 /// The kind of client for which a running job waits: `an operator`, `a step command`.
@@ -81,7 +81,7 @@ pub(crate) fn labels(job: &v1::JobStatus) -> String {
     visible(&name.into_iter().chain(others).collect::<Vec<_>>().join(" ")).into_owned()
 }
 
-/// The state of a job. A job whose cancel was requested is cancelling until its run has stopped.
+/// The state of a job. A job whose cancellation was requested is CANCELLING until its run has stopped.
 pub(crate) fn state_name(job: &v1::JobStatus) -> String {
     let open = matches!(job.state(), v1::JobState::Queued | v1::JobState::Running);
     let state = match job.state().as_str_name().trim_start_matches("JOB_STATE_") {
@@ -215,14 +215,14 @@ mod tests {
             waits_for_job: "01938f2c-5d1e".to_owned(),
             ..Default::default()
         };
-        let text = "waits while 01938f2c-5d1e, suspected of the last crash, runs alone";
+        let text = "waits while job 01938f2c-5d1e, suspected of causing the last crash, runs alone";
         assert_eq!(waits(&job).as_deref(), Some(text));
         assert_eq!(
             (&as_json(&job)["waits_for_suspect"], as_json(&job)["waits_for_job"].as_str()),
             (&true.into(), Some("01938f2c-5d1e"))
         );
         let other = v1::JobStatus { waits_for_job: String::new(), ..job };
-        let text = "waits while a job of another tenant, suspected of the last crash, runs alone";
+        let text = "waits while a job of another tenant, suspected of causing the last crash, runs alone";
         assert_eq!(waits(&other).as_deref(), Some(text));
         assert_eq!(waits(&v1::JobStatus::default()), None);
     }

@@ -139,7 +139,7 @@ async fn listed(client: &Client, mut request: v1::ListJobsRequest, most: usize) 
     Ok(rows)
 }
 
-/// Ids of the jobs whose ends are awaited: those that are named, those of a filter, or all that have not ended.
+/// Ids of the jobs to wait for: the named ones, those that match the filter, or all that have not ended.
 pub(crate) async fn to_wait_for(client: &Client, arguments: &Wait) -> Result<Vec<String>, Error> {
     if !arguments.jobs.is_empty() {
         let mut ids = Vec::new();
@@ -155,7 +155,7 @@ pub(crate) async fn to_wait_for(client: &Client, arguments: &Wait) -> Result<Vec
     let request = v1::ListJobsRequest { filter: Some(filter), ..Default::default() };
     let ids: Vec<String> = listed(client, request, usize::MAX).await?.into_iter().map(|job| job.job_id).collect();
     if ids.is_empty() && !arguments.all {
-        let text = "no job matches the filter: `counterpoint jobs` with the same filter lists its jobs";
+        let text = "no job matches the filter; try the filter with `counterpoint jobs`";
         return Err(Error::Usage(text.to_owned()));
     }
     Ok(ids)
@@ -183,7 +183,7 @@ pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
     say::data(table(&lines, head.len()).as_bytes())?;
     let waiting = rows.iter().filter(|job| job.waits_for_suspect).count();
     if let Some(wait) = rows.iter().find_map(waits) {
-        say::status_line(format!("jobs in this list that wait: {waiting}; each {wait}"));
+        say::status_line(format!("waiting jobs in this list: {waiting}; each {wait}"));
     }
     Ok(0)
 }
@@ -221,7 +221,7 @@ fn watched(job: &v1::JobStatus, json: bool) -> String {
     line + if job.reused_from.is_empty() { "" } else { "  (reused)" } + &waits.unwrap_or_default()
 }
 
-/// The jobs of a filter that have ended since a time, ms since 1970, the first submitted one first.
+/// Jobs that match a filter and have ended since a time (ms since 1970), in the order of submission.
 async fn ended_since(client: &Client, jobs: &JobFilter, since_ms: i64) -> Result<VecDeque<v1::JobStatus>, Error> {
     let request = v1::ListJobsRequest { filter: Some(filter(jobs)), ..Default::default() };
     let jobs = listed(client, request, usize::MAX).await?.into_iter();
@@ -253,8 +253,8 @@ pub(crate) async fn watch(arguments: Watch) -> Result<u8, Error> {
             JobUpdate::Removed(job) => format!("{job}  REMOVED"),
             JobUpdate::Anew => {
                 say::status_line(
-                    "the server no longer knows all changes; the jobs that have ended since follow, and those that have \
-                     not ended",
+                    "the server no longer knows all changes; the jobs that have ended in the meantime follow, then those \
+                     that have not ended",
                 );
                 missed = ended_since(&client, &arguments.filter, known_ms).await?;
                 continue;

@@ -27,7 +27,7 @@ pub(crate) struct Computed {
 #[derive(Debug, Default)]
 pub(crate) struct Numbered {
     files: BTreeMap<u32, Vec<String>>,
-    /// Files at first.
+    /// Number of files at the start.
     count: usize,
     pub(crate) computed: Option<Computed>,
 }
@@ -38,13 +38,13 @@ impl Numbered {
         Self { files, count, computed: None }
     }
 
-    /// Takes out the files that codes of a machine may call.
+    /// Removes and returns the files that codes of a machine may call.
     pub(crate) fn take_of_codes(&mut self) -> Vec<String> {
         let numbers: Vec<u32> = self.files.range(OF_CODES).map(|(number, _)| *number).collect();
         numbers.iter().filter_map(|number| self.files.remove(number)).flatten().collect()
     }
 
-    /// Takes out the files that a text may call: all of them if it computes the number of a call.
+    /// Removes and returns the files that a text may call: all of them if it computes the number of a call.
     pub(crate) fn take_called(&mut self, file: &str, text: &[u8]) -> Vec<String> {
         if self.files.is_empty() {
             return Vec::new();
@@ -62,8 +62,8 @@ impl Numbered {
     }
 }
 
-/// The numbers of a text that may be numbers of programs: all but sequence numbers, variables and fractions. Of a
-/// number with more than four digits also the last four, before which some controls have repetitions (`P0051234`).
+/// Numbers in a text that may be program numbers: all except sequence numbers, variables and fractions. If a number has
+/// more than four digits, also its last four: some controls put a repeat count before them (`P0051234`).
 fn numbers(text: &[u8]) -> impl Iterator<Item = u32> {
     let mut rest = text;
     let mut before = b' ';

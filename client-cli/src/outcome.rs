@@ -37,7 +37,8 @@ fn end(status: &v1::JobStatus) -> String {
     format!("{state}{warnings}{}", time.unwrap_or_default())
 }
 
-/// Further lines about the end of a job: the source of its results, its first error, and the command that shows all.
+/// Further lines about the end of a job: the source of its results, its first error, and the command that shows all
+/// errors.
 fn notes(status: &v1::JobStatus) -> Vec<String> {
     let first = first_error(status).map(|error| format!("first error: {error}"));
     reused::note(status).into_iter().chain(first).chain(errors(status).map(|at| format!("errors: {at}"))).collect()

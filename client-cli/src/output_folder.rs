@@ -33,8 +33,8 @@ pub(crate) struct OutputFolder<'a> {
 }
 
 impl OutputFolder<'_> {
-    /// Writes the results of a job whose summary has been read; a line of status names the current file. A result that
-    /// the server refuses does not keep the others from being written.
+    /// Writes the results of a job whose summary has been read; a status line names the current file. If the server
+    /// refuses a result, the others are still written.
     pub(crate) async fn write(
         &self,
         client: &Client,
@@ -80,7 +80,7 @@ impl OutputFolder<'_> {
         draft::write(&self.folder.join("report.txt"), say::plain(&text).as_bytes())
     }
 
-    /// Names of the files that are read from the server as they are, each with its result.
+    /// Files that are read from the server unchanged: their names and results.
     fn files(&self, channels: &[u32]) -> Vec<(String, ResultKind, u32, Format)> {
         use ResultKind::{Console, Events, Listing, Log, Timeline, Toolpath, Trace};
         let program = if self.program == standard_input::NAME { "stdin" } else { self.program };
@@ -128,7 +128,7 @@ impl Writing<'_> {
         self.note(name, written)
     }
 
-    /// Keeps a refusal for the end. Any other error would also concern the next file.
+    /// Keeps a refusal for the end. Any other error would also affect the next file.
     fn note(&mut self, name: &str, written: Result<(), Error>) -> Result<(), Error> {
         match written {
             Err(error @ Error::Refused(_)) => self.failed.push((self.folder.join(name).display().to_string(), error)),

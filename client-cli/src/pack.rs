@@ -70,7 +70,7 @@ impl Files {
 pub(crate) struct Pack {
     pub(crate) programs: Vec<v1::Program>,
     pub(crate) files: Files,
-    /// The block because of which all of many files beside a program were added.
+    /// The block that may call any program number, so that all numbered files beside a program were added.
     pub(crate) computed: Option<Computed>,
 }
 
@@ -281,7 +281,7 @@ fn other_files_of_numbers(paths: &[PathBuf], program: &Beside, files: &Files) ->
 }
 
 /// Adds the files beside a program that it may call: those known by their names, and those that the program or an added
-/// file mentions. Of many files named by program numbers only those that may be called are added; the result is the
+/// file mentions. If many files are named by program numbers, only those that may be called are added. Returns the
 /// block that computes the number of a call, if there is one.
 fn neighbours(files: &mut Files, program: &Beside, encoding: Option<Encoding>) -> Result<Option<Computed>, Error> {
     let mut paths = BTreeMap::new();

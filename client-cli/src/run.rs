@@ -322,7 +322,7 @@ pub(crate) async fn submit_pack(
     client.submit(request).await.map_err(|error| too_many(error, count, computed))
 }
 
-/// Adds the largest file to the refusal of a blob by its size: the others are smaller.
+/// Names the largest file in the refusal of a blob that is too large.
 fn too_large(error: Error, files: &pack::Files) -> Error {
     let largest = files.0.iter().max_by_key(|(_, blob)| blob.content().len());
     match largest {
@@ -333,7 +333,7 @@ fn too_large(error: Error, files: &pack::Files) -> Error {
     }
 }
 
-/// Adds the reason of the number of files to the refusal of a server that does not accept so many.
+/// Explains the number of files in the refusal of a server that does not accept that many.
 fn too_many(error: Error, count: usize, computed: Option<Computed>) -> Error {
     let (true, Some(Computed { file, line, files })) = (error.is_about("files"), computed) else { return error };
     Error::Usage(format!(

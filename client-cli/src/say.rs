@@ -37,7 +37,7 @@ pub(crate) fn error(error: &Error) {
     status_line(format_args!("{} {error}", styled(BAD, "error:")));
 }
 
-/// Data: as it is, except that a terminal gets escapes in place of characters that deceive its reader.
+/// Writes data unchanged, except that a terminal gets escapes in place of deceptive characters.
 pub(crate) fn data(bytes: &[u8]) -> Result<(), Error> {
     let text = std::str::from_utf8(bytes).ok().filter(|_| io::stdout().is_terminal()).map(visible);
     let bytes = text.as_ref().map_or(bytes, |text| text.as_bytes());

@@ -1,4 +1,4 @@
-//! Characters that deceive the reader of a terminal, as escapes.
+//! Escapes for characters that can deceive the reader of a terminal.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ fn deceives(c: char) -> bool {
     with_range || matches!(c, '\u{61c}' | '\u{feff}')
 }
 
-/// A text with an escape in place of each character that deceives its reader. The escape is one of JSON.
+/// Replaces each deceptive character with its JSON escape.
 pub(crate) fn visible(text: &str) -> Cow<'_, str> {
     if !text.contains(deceives) {
         return Cow::Borrowed(text);

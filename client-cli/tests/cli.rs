@@ -648,7 +648,7 @@ fn the_token_and_the_authorities_come_from_the_environment() {
     // An empty variable counts as absent.
     for name in ["COUNTERPOINT_CA", "COUNTERPOINT_TOKEN"] {
         let (status, talk) = list(&url, name, "");
-        assert!(status == 3 && talk.contains("put a token for this server into COUNTERPOINT_TOKEN"), "{status} {talk}");
+        assert!(status == 3 && talk.contains("set COUNTERPOINT_TOKEN to a token for this server"), "{status} {talk}");
     }
     for (name, missing) in [("CERT", "KEY"), ("KEY", "CERT")] {
         let (status, talk) = list(

@@ -18,7 +18,7 @@ const LONGEST: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub(crate) struct Backoff {
     patience: Duration,
-    /// Receives the first of several failures in a row.
+    /// Receives the first of several consecutive failures.
     notice: Option<Notice>,
     failures: u32,
     /// When something last succeeded, or the first failure after that.
@@ -39,8 +39,8 @@ impl Backoff {
         (self.failures, self.since) = (0, None);
     }
 
-    /// Something failed: the pause before it is tried again, at least the pause that the server asks for, or `None` if
-    /// patience is at its end.
+    /// Records a failure. Returns the pause before the next attempt, at least as long as the server asks for, or `None`
+    /// if the patience has run out.
     pub(crate) fn failed(&mut self, error: &Error) -> Option<Duration> {
         if let (0, Some(notice)) = (self.failures, self.notice) {
             notice(error, self.patience);

@@ -21,7 +21,7 @@ const CERTIFICATE: &str = "COUNTERPOINT_CLIENT_CERT";
 const KEY: &str = "COUNTERPOINT_CLIENT_KEY";
 const TRACEPARENT: &str = "TRACEPARENT";
 
-/// Receives the error after which a client starts to try again, and its patience.
+/// Receives the error that makes a client start to retry, and the client's patience.
 pub type Notice = fn(&Error, Duration);
 
 /// Where the server is and who calls.
@@ -134,7 +134,7 @@ impl Settings {
         self
     }
 
-    /// Calls this function when the client starts to try again after a failure.
+    /// Calls this function when the client starts to retry after a failure.
     #[must_use]
     pub fn with_notice(mut self, notice: Notice) -> Self {
         self.notice = Some(notice);

@@ -26,9 +26,9 @@ pub enum JobUpdate {
     Job(Box<v1::JobStatus>),
     /// The job with this identity was removed.
     Removed(String),
-    /// The server does not know all changes since the cursor any more, for example after a restart; the jobs that have
-    /// not ended follow. Jobs that have ended meanwhile are found with `ListJobs`: list them when you receive this. The
-    /// watch has begun again, so it delivers the jobs that change after this.
+    /// The server no longer knows all changes since the cursor, for example after a restart. The jobs that have not
+    /// ended follow. To find the jobs that have ended in the meantime, call `ListJobs` when you receive this update.
+    /// The watch has already restarted, so it delivers all later changes.
     Anew,
 }
 
@@ -38,7 +38,7 @@ pub struct WatchJobs {
     connection: Connection,
     filter: v1::JobFilter,
     cursor: u64,
-    /// The cursor was too old, and the client does not know that yet.
+    /// The cursor was too old, and the caller has not been told yet.
     anew: bool,
     stream: Option<Streaming<v1::WatchJobsResponse>>,
     waiting: VecDeque<JobUpdate>,
@@ -120,7 +120,7 @@ impl WatchJobs {
     }
 
     fn take(&mut self, message: v1::WatchJobsResponse) {
-        // The server follows the changes from before its first message.
+        // The server has followed all changes since before this message.
         if std::mem::take(&mut self.anew) {
             self.waiting.push_back(JobUpdate::Anew);
         }

@@ -71,7 +71,7 @@ pub(crate) struct ProgramFiles {
     /// Add files that the programs may call (a folder adds all its files)
     #[arg(long = "with", value_name = "FILE|DIR")]
     pub(crate) with: Vec<PathBuf>,
-    /// Add no files from the folders of the programs: only those of --with
+    /// Add no files from the folders of the programs, only those named by --with
     #[arg(long)]
     pub(crate) no_neighbours: bool,
     /// Read the programs in this code page: windows-1252, iso-8859-2, cp850, shift_jis, utf-16le, … [default: UTF-8, or

@@ -17,7 +17,7 @@ pub(crate) struct RequestArgs {
     /// Set the priority of the job among your own jobs
     #[arg(long, value_enum)]
     pub(crate) priority: Option<Priority>,
-    /// Stop the job if it has not ended by then: a time from now (90s, 30m, 2h), a date
+    /// Stop the job if it has not ended by this time: a time from now (90s, 30m, 2h), a date
     /// (2026-11-29T12:30:00Z) or @ and seconds since 1970
     #[arg(long, value_name = "TIME", value_parser = span_or_time)]
     pub(crate) deadline: Option<When>,
@@ -98,7 +98,7 @@ pub(crate) struct JobFilter {
     /// Select only jobs with this label; NAME alone is the label `name`; can be repeated
     #[arg(long = "label", value_name = "NAME|KEY=VALUE", value_parser = label)]
     pub(crate) labels: Vec<(String, String)>,
-    /// Select only jobs accepted since then: a time before now (90s, 30m, 2h, 7d), a date
+    /// Select only jobs accepted since this time: a time before now (90s, 30m, 2h, 7d), a date
     /// (2026-11-29) or @ and seconds since 1970
     #[arg(long, value_name = "TIME", value_parser = span_or_time)]
     pub(crate) since: Option<When>,
@@ -161,13 +161,13 @@ pub(crate) struct Status {
     pub(crate) remote: Remote,
 }
 
-/// Arguments of a filter, one of which must be given to select jobs.
+/// Arguments of a filter, which exclude `--all`.
 const FILTERS: [&str; 4] = ["state", "machine", "labels", "since"];
 
 /// Arguments that select the jobs of `wait`; one of them must be given.
 const AWAITED: [&str; 6] = ["jobs", "state", "machine", "labels", "since", "all"];
 
-/// Jobs whose ends are awaited.
+/// The jobs to wait for.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("awaited").args(AWAITED).required(true).multiple(true))]
 pub(crate) struct Wait {

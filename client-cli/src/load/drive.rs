@@ -50,7 +50,7 @@ pub(super) struct Load {
     pub(super) patience: Duration,
     pub(super) delete: bool,
     pub(super) measured: Arc<Mutex<Measured>>,
-    /// Receives the first refusal that repetitions cannot change.
+    /// Receives the first refusal that a retry cannot change.
     pub(super) refused: Arc<watch::Sender<Option<Error>>>,
 }
 
@@ -206,7 +206,7 @@ impl Caller {
 }
 
 impl Caller {
-    /// The reason of a refused submit; ends the load if every further job would be refused, too.
+    /// The reason of a refused submission; stops the load if every further job would also be refused.
     fn refusal(&self, error: Error) -> String {
         let reason = reason(&error);
         if is_lasting(&error) {
@@ -220,7 +220,7 @@ impl Caller {
     }
 }
 
-/// Whether the same submit is refused again, whatever happens to other jobs.
+/// Whether the same submission would be refused again, regardless of other jobs.
 fn is_lasting(error: &Error) -> bool {
     use tonic::Code;
     const LASTING: [Code; 5] = [

@@ -13,7 +13,7 @@ use tokio::time::Instant;
 
 use super::process::Sample;
 
-/// Reason of jobs that were still in progress when patience was at its end.
+/// Reason of jobs that were still in progress when the patience ran out.
 pub(super) const UNFINISHED: &str = "UNFINISHED";
 
 /// Stretches of the life of a job.

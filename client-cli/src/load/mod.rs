@@ -84,8 +84,8 @@ pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
     Ok(code)
 }
 
-/// The load itself: warm-up, measured time, and the ends of the jobs in progress. It ends at the first refusal that
-/// repetitions cannot change.
+/// The load itself: warm-up, measured time, and the ends of the jobs in progress. It stops at the first refusal that a
+/// retry cannot change.
 async fn run(
     arguments: &Load,
     mix: Mix,
@@ -128,7 +128,7 @@ async fn run(
     }
     live.clear();
     if let Some(error) = refused.send_replace(None) {
-        say::status_line("the load was stopped: the server refuses a job of the mix, and would refuse it again");
+        say::status_line("load stopped: the server refuses a job of the mix, and would refuse it again");
         return Err(error.into());
     }
     let measured = lock(&measured);
