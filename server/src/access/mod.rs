@@ -130,7 +130,8 @@ impl Caller {
 
     /// Records the subject of the call; the last one counts.
     pub(crate) fn about(&self, target: &str) {
-        *self.lock() = vec![target.chars().take(TARGET).collect()];
+        let end = target.char_indices().nth(TARGET).map_or(target.len(), |(at, _)| at);
+        *self.lock() = vec![target.get(..end).unwrap_or_default().to_owned()];
     }
 
     /// Records the jobs of a call for many.

@@ -14,6 +14,8 @@ use crate::reason::Refusal;
 const MARK: u8 = 1;
 /// Mark and checksum.
 pub(super) const HEAD: usize = 5;
+/// Bytes at first for a row in the making; those of almost all jobs are shorter.
+const ROOM: usize = 2048;
 
 fn crc(table: &str, key: &str, content: &[u8]) -> [u8; 4] {
     let mut hash = crc32fast::Hasher::new();
@@ -32,7 +34,8 @@ fn sealed(table: &str, key: &str, mut row: Vec<u8>) -> Vec<u8> {
 
 /// The row of a value.
 pub(super) fn json(table: &str, key: &str, value: &impl Serialize) -> Result<Vec<u8>, Refusal> {
-    let mut row = vec![0; HEAD];
+    let mut row = Vec::with_capacity(ROOM);
+    row.resize(HEAD, 0);
     serde_json::to_writer(&mut row, value).map_err(storage)?;
     Ok(sealed(table, key, row))
 }
