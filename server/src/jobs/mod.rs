@@ -4,6 +4,7 @@
 //! in `live`, and is either in the queue or on a worker thread, until the server drains. A fault of the host never ends
 //! a job: its run is dropped and started again later.
 
+mod admission;
 mod attended;
 mod board;
 pub(crate) mod describe;
@@ -186,9 +187,9 @@ impl Core {
     /// Accepts a job; the answer says whether it was known.
     pub(crate) async fn submit(self: &Arc<Self>, job: Box<NewJob>) -> Result<(Box<Record>, bool), Refusal> {
         // The ledger itself finds out whether the request is a repeat; one that repeats needs neither room nor a place.
-        let place = match self.place(&job.record.tenant) {
+        let place = match admission::place(self, &job.record.tenant) {
             Ok(place) => place,
-            Err(refusal) => return self.known(&job)?.ok_or(refusal),
+            Err(refusal) => return admission::known(self, &job)?.ok_or(refusal),
         };
         let NewJob { record, work } = &*job;
         let core = Arc::downgrade(self);
@@ -218,31 +219,6 @@ impl Core {
                 Ok((record, false))
             }
         }
-    }
-
-    /// A place in the queue for a job of a tenant, if a job can be accepted now.
-    fn place(self: &Arc<Self>, tenant: &str) -> Result<impl Drop + Send + use<>, Refusal> {
-        if !*self.ledger.writable().borrow() {
-            return Err(Refusal::Storage("the ledger cannot be written at the moment".to_owned()));
-        }
-        self.room()?;
-        self.within_quotas(tenant)?;
-        self.reserve(tenant)
-    }
-
-    /// The answer to a submit that repeats an earlier one.
-    fn known(&self, job: &NewJob) -> Result<Option<(Box<Record>, bool)>, Refusal> {
-        let NewJob { record, work } = job;
-        let Some(known) = self.ledger.by_request(&record.tenant, &record.request_id)? else { return Ok(None) };
-        let same = match known.asks_the_same(record) {
-            Some(same) => same,
-            None => known.asks_the_same_work(&self.work(&known.id)?, record, work),
-        };
-        if !same {
-            return Err(Refusal::RequestIdReused(record.request_id.clone()));
-        }
-        self.answered(&known)?;
-        Ok(Some((Box::new(self.current(known)), true)))
     }
 
     /// Whether a job that is in the ledger is durable there. One that is not in memory may be from a transaction whose

@@ -73,8 +73,11 @@ impl As {
     }
 
     pub async fn upload(&self, content: &[u8]) -> Result<String, Status> {
-        let chunk = v1::UploadRequest { digest: digest(content), data: content.to_vec().into(), ..Default::default() };
-        Ok(self.blobs().upload(tokio_stream::iter([chunk])).await?.into_inner().digest)
+        let chunk = |data: &[u8]| v1::UploadRequest { data: data.to_vec().into(), ..Default::default() };
+        let mut chunks: Vec<_> = content.chunks(1 << 19).map(chunk).collect();
+        let first = v1::UploadRequest { digest: digest(content), ..Default::default() };
+        chunks.insert(0, first);
+        Ok(self.blobs().upload(tokio_stream::iter(chunks)).await?.into_inner().digest)
     }
 
     pub async fn submit(&self, request_id: &str, machine: &str, script: &str) -> Result<v1::JobStatus, Status> {

@@ -63,6 +63,7 @@ mod many;
 mod memory;
 mod messages;
 mod metrics;
+mod neighbours;
 mod operator;
 mod operator_wait;
 mod otlp;

@@ -15,22 +15,22 @@ use crate::life::copy;
 use crate::share::server_until;
 
 /// Moves in an endless loop; iterations without events take most of the time.
-const BLOCKS: &str = "O1\nN1 #1=0\nWHILE[#1LT100]DO1\n#1=#1+1\nEND1\nG1 X.001 F100.\nX0.\nGOTO 1\n";
+pub const BLOCKS: &str = "O1\nN1 #1=0\nWHILE[#1LT100]DO1\n#1=#1+1\nEND1\nG1 X.001 F100.\nX0.\nGOTO 1\n";
 /// Tool changes, whose macro takes nearly all the time.
-const MACRO: &str = "O1\nN1 T3 M06\nT4 M06\nGOTO 1\n";
+pub const MACRO: &str = "O1\nN1 T3 M06\nT4 M06\nGOTO 1\n";
 const SPIN: &str = "DO/I=1,100000\nA=1\nENDOF/DO\n";
-const TINY: &str = "O1\nG21 G90 G94 F100\nG1 X1.\nM30\n";
+pub const TINY: &str = "O1\nG21 G90 G94 F100\nG1 X1.\nM30\n";
 /// Timeout of a test.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A server with one worker that runs real jobs, and tenants.
-struct Real {
+pub struct Real {
     handle: service::Handle,
     task: tokio::task::JoinHandle<()>,
 }
 
 impl Real {
-    async fn start<const N: usize>(options: Options, tenants: [&str; N]) -> (Self, [As; N]) {
+    pub async fn start<const N: usize>(options: Options, tenants: [&str; N]) -> (Self, [As; N]) {
         let tokens = tenants.map(|tenant| grant(&options, tenant, tenant, Role::Submit));
         let (server, connection) = Self::serve(options).await;
         (server, tokens.map(|token| As { connection: connection.clone(), bearer: Bearer(Some(token)) }))
@@ -51,13 +51,13 @@ impl Real {
         (Self { handle, task }, connection)
     }
 
-    async fn stop(self) {
+    pub async fn stop(self) {
         self.handle.stop();
         tokio::time::timeout(PATIENCE, self.task).await.expect("it stops").unwrap();
     }
 }
 
-fn limits() -> v1::JobLimits {
+pub fn limits() -> v1::JobLimits {
     v1::JobLimits {
         simulated_ns: i64::MAX,
         blocks: 10_000_000_000,
@@ -67,12 +67,12 @@ fn limits() -> v1::JobLimits {
 }
 
 /// Submits a job that only a time limit ends.
-async fn endless(caller: &As, machine: &str, program: &str, limits: v1::JobLimits) -> String {
+pub async fn endless(caller: &As, machine: &str, program: &str, limits: v1::JobLimits) -> String {
     caller.submit_limited("endless", machine, program, Some(limits)).await.unwrap().job_id
 }
 
 /// Stores the machine whose tool change takes long.
-async fn put_spin(caller: &As) {
+pub async fn put_spin(caller: &As) {
     let toml = "extends = \"fanuc-mill\"\n[ce]\nname = \"spin\"\n[macros]\ntool = \"t.mac\"\n";
     let mut files = Vec::new();
     for (path, content) in [("machine.toml", toml), ("t.mac", SPIN)] {
@@ -82,7 +82,7 @@ async fn put_spin(caller: &As) {
     caller.machines().put_machine(v1::PutMachineRequest { name: "spin".into(), files }).await.unwrap();
 }
 
-async fn ends(caller: &As, job: &str) -> v1::JobStatus {
+pub async fn ends(caller: &As, job: &str) -> v1::JobStatus {
     let ends = async {
         loop {
             let status = caller.wait(job).await;
@@ -95,7 +95,7 @@ async fn ends(caller: &As, job: &str) -> v1::JobStatus {
 }
 
 /// Waits until the first channel of a job has executed more blocks than at the first look.
-async fn moves(caller: &As, job: &str) {
+pub async fn moves(caller: &As, job: &str) {
     let request = v1::WatchJobRequest { job_id: job.into(), heartbeat_ms: 100, ..Default::default() };
     let mut watch = caller.jobs().watch_job(request).await.unwrap().into_inner();
     let moves = async {

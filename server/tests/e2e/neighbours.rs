@@ -1,0 +1,164 @@
+//! How much the jobs of other tenants cost a tenant. Run by hand, in release, on a quiet machine: `cargo test --release
+//! -p counterpoint-server --test e2e neighbours -- --ignored --nocapture`. `ROUNDS` is the number of pairs.
+
+#![allow(clippy::print_stdout)]
+
+use std::time::{Duration, Instant};
+
+use counterpoint_proto::v1;
+use counterpoint_server::local::disk::Disk;
+use counterpoint_server::options::Options;
+use http::uri::PathAndQuery;
+use tonic::Request;
+
+use crate::guarded::*;
+use crate::limited::two_on;
+use crate::share::server_until;
+use crate::slices::{BLOCKS, MACRO, Real, TINY, endless, ends, limits, moves, put_spin};
+use crate::support::*;
+
+const MACHINE: &str = "fanuc-2path-lathe";
+const CALLERS: usize = 64;
+const SUBMITS: usize = 4096;
+
+fn rounds() -> usize {
+    std::env::var("ROUNDS").ok().and_then(|rounds| rounds.parse().ok()).unwrap_or(5)
+}
+
+/// Accepted submits per second of a tenant with 64 callers. All jobs have ended when it returns.
+async fn rate(tenant: &As, round: &str) -> f64 {
+    let begin = Instant::now();
+    let mut callers = tokio::task::JoinSet::new();
+    for caller in 0..CALLERS {
+        let (tenant, round) = (tenant.clone(), round.to_owned());
+        callers.spawn(async move {
+            let mut last = String::new();
+            for number in 0..SUBMITS / CALLERS {
+                let request = v1::SubmitJobRequest {
+                    request_id: format!("{round}-{caller}-{number}"),
+                    machine: MACHINE.into(),
+                    programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
+                    files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(b"EVENTS 1") }],
+                    ..Default::default()
+                };
+                last = tenant.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
+            }
+            last
+        });
+    }
+    let last = callers.join_all().await;
+    let rate = SUBMITS as f64 / begin.elapsed().as_secs_f64();
+    for job in last {
+        tenant.wait(&job).await;
+    }
+    rate
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Idle {
+    SteppedJob,
+    WatchedPausedJob,
+    RequestWithoutBody,
+}
+
+/// Lets the neighbour be idle in this way: its job, and the task that holds its call.
+async fn be_idle(quiet: &As, idle: Idle, round: usize) -> (Option<String>, Option<tokio::task::JoinHandle<()>>) {
+    let name = format!("{idle:?}-{round}");
+    match idle {
+        Idle::SteppedJob => {
+            let options = v1::JobOptions { stepped: true, ..Default::default() };
+            let job = quiet.submit_with(&name, MACHINE, "EVENTS 3\nSTEP a", Some(options)).await.unwrap().job_id;
+            server_until(quiet, &job, v1::JobState::Running).await;
+            (Some(job), None)
+        }
+        Idle::WatchedPausedJob => {
+            let job = quiet.submit(&name, MACHINE, "EVENTS 3\nHANG").await.unwrap().job_id;
+            quiet.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
+            server_until(quiet, &job, v1::JobState::Queued).await;
+            let watch = v1::WatchJobRequest { job_id: job.clone(), heartbeat_ms: 100, ..Default::default() };
+            let mut watch = quiet.jobs().watch_job(watch).await.unwrap().into_inner();
+            let reads = async move { while watch.message().await.is_ok_and(|message| message.is_some()) {} };
+            (Some(job), Some(tokio::spawn(reads)))
+        }
+        Idle::RequestWithoutBody => {
+            let mut raw = tonic::client::Grpc::new(quiet.connection.clone());
+            raw.ready().await.unwrap();
+            let mut request = Request::new(tokio_stream::pending::<v1::GetJobRequest>());
+            let bearer = format!("Bearer {}", quiet.bearer.0.clone().unwrap());
+            request.metadata_mut().insert("authorization", bearer.parse().unwrap());
+            let call = async move {
+                let codec = tonic_prost::ProstCodec::<v1::GetJobRequest, v1::GetJobResponse>::default();
+                let path = PathAndQuery::from_static("/counterpoint.v1.Jobs/GetJob");
+                let _ = raw.client_streaming(request, path, codec).await;
+            };
+            (None, Some(tokio::spawn(call)))
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "a measurement"]
+async fn submits_of_a_tenant_beside_an_idle_neighbour() {
+    let folder = tempfile::tempdir().unwrap();
+    let (server, noisy, quiet) = two_on(folder.path(), 0, Disk::default()).await;
+    noisy.upload(b"EVENTS 1").await.unwrap();
+    rate(&noisy, "first").await;
+    for idle in [Idle::SteppedJob, Idle::WatchedPausedJob, Idle::RequestWithoutBody] {
+        let (mut alone, mut ratios) = (Vec::new(), Vec::new());
+        for round in 0..rounds() {
+            let mut both = [0.0, 0.0];
+            for beside in [round % 2 == 1, round % 2 == 0] {
+                let neighbour = if beside { Some(be_idle(&quiet, idle, round).await) } else { None };
+                both[usize::from(beside)] = rate(&noisy, &format!("{idle:?}-{round}-{beside}")).await;
+                let Some((job, task)) = neighbour else { continue };
+                if let Some(job_id) = job {
+                    quiet.jobs().cancel_job(v1::CancelJobRequest { job_id }).await.unwrap();
+                }
+                if let Some(task) = task {
+                    task.abort();
+                }
+                // The last calls of an identity count for a while.
+                tokio::time::sleep(Duration::from_secs(1)).await;
+            }
+            alone.push(both[0]);
+            ratios.push(both[1] / both[0]);
+        }
+        println!("{idle:?}: alone {:.0} submits per second, beside it {:.2} of that", median(alone), median(ratios));
+    }
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "a measurement"]
+async fn a_tiny_job_of_a_late_tenant_beside_eight_busy_tenants() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { workers: 1, ..guarded(folder.path()) };
+    let names = ["macros", "long", "c", "d", "e", "f", "g", "h", "late"];
+    let (server, [macros, long, others @ .., late]) = Real::start(options, names).await;
+    put_spin(&macros).await;
+    endless(&macros, "spin", MACRO, limits()).await;
+    for tenant in &others {
+        let job = endless(tenant, "fanuc-mill", BLOCKS, limits()).await;
+        moves(tenant, &job).await;
+    }
+    let program = format!("O1\nG21 G90 G94 F100\n{}M30\n", "G1 X1.\nX2.\n".repeat(250_000));
+    let mut times = Vec::new();
+    for number in 0..rounds() {
+        let job = long.submit_limited(&format!("long-{number}"), "fanuc-mill", &program, Some(limits())).await;
+        let job = job.unwrap().job_id;
+        let begin = Instant::now();
+        let tiny = late.submit(&format!("tiny-{number}"), "fanuc-mill", TINY).await.unwrap().job_id;
+        assert_eq!(ends(&late, &tiny).await.state(), v1::JobState::Succeeded);
+        times.push(begin.elapsed().as_secs_f64());
+        long.jobs().cancel_job(v1::CancelJobRequest { job_id: job.clone() }).await.unwrap();
+        ends(&long, &job).await;
+    }
+    let longest = times.iter().copied().fold(0.0, f64::max);
+    println!("submit to end: median {:.2} s, longest {longest:.2} s", median(times));
+    server.stop().await;
+}
