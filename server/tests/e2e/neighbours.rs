@@ -114,6 +114,8 @@ async fn submits_of_a_tenant_beside_an_idle_neighbour() {
             let mut both = [0.0, 0.0];
             for beside in [round % 2 == 1, round % 2 == 0] {
                 let neighbour = if beside { Some(be_idle(&quiet, idle, round).await) } else { None };
+                // The last calls of an identity count for a while.
+                tokio::time::sleep(Duration::from_secs(1)).await;
                 both[usize::from(beside)] = rate(&noisy, &format!("{idle:?}-{round}-{beside}")).await;
                 let Some((job, task)) = neighbour else { continue };
                 if let Some(job_id) = job {
@@ -122,8 +124,6 @@ async fn submits_of_a_tenant_beside_an_idle_neighbour() {
                 if let Some(task) = task {
                     task.abort();
                 }
-                // The last calls of an identity count for a while.
-                tokio::time::sleep(Duration::from_secs(1)).await;
             }
             alone.push(both[0]);
             ratios.push(both[1] / both[0]);
