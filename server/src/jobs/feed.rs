@@ -15,8 +15,9 @@ use crate::reason::Refusal;
 /// Most changes that are remembered, and most bytes of them.
 const MOST: usize = 16 * 1024;
 const MOST_BYTES: usize = 8 << 20;
-/// Bits of a cursor for the changes since the start of the server.
-const CHANGES: u32 = 40;
+/// Bits of a cursor for the changes since the start of the server. More changes reach into the numbers of later starts.
+/// These numbers count milliseconds, so no start has one that was reached before.
+const CHANGES: u32 = 20;
 
 /// A job has changed.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -251,7 +251,9 @@ impl Core {
 
     /// A job that is in memory from now on.
     fn in_memory(&self, record: Record) -> Arc<Live> {
-        self.accepted(record, None)
+        let live = self.accepted(record, None);
+        received::count_stored(self, &live);
+        live
     }
 
     /// A job that is in memory from now on, with its work if the work is small.

@@ -97,11 +97,10 @@ impl Core {
             return Err(Refusal::quota(tenant, "tenant_bytes", most, text));
         }
         let text = format!(
-            "{} bytes of ended jobs, {} of machines and {} of files are stored: delete ended jobs (DeleteJob) or \
-             machines (DeleteMachine); files that nothing needs are removed after blob_grace_s",
-            usage.bytes,
-            usage.machines,
-            files.saturating_add(growing)
+            "{} bytes of ended jobs, {} of machines, {files} of files and {growing} of uploads and answers in progress \
+             are stored: delete ended jobs (DeleteJob) or machines (DeleteMachine), or cancel jobs with long answers; \
+             files that nothing needs are removed after blob_grace_s",
+            usage.bytes, usage.machines
         );
         Err(Refusal::quota(tenant, "tenant_bytes", most, text))
     }

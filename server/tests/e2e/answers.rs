@@ -122,3 +122,28 @@ async fn the_answers_of_a_job_have_at_most_4_mib() {
     server.wait(&job).await;
     server.stop().await;
 }
+
+/// A paused job has no run that could count them.
+#[tokio::test(flavor = "multi_thread")]
+async fn answers_of_a_paused_job_count_after_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_bytes: 100_000, ..Quotas::default() };
+    let options = Options { quotas, ..options(folder.path()) };
+    let server = Server::start(options.clone()).await;
+    let (job, first) = asking(&server, "FORM Form\nFORM Form").await;
+    assert!(give(&server, &job, first, answer(&[("NOTE", Value::Text("x".repeat(60_000)))])).await.unwrap());
+    server.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
+    server.until(&job, v1::JobState::Queued).await;
+    let refused = |upload: Result<(String, u64), tonic::Status>| {
+        let refused = upload.unwrap_err();
+        assert_eq!(reason(&refused), "QUOTA_EXCEEDED", "{refused:?}");
+        assert!(refused.message().contains("of uploads and answers in progress"), "{}", refused.message());
+    };
+    refused(server.try_upload(&[b'y'; 60_000]).await);
+    server.stop().await;
+    let server = Server::start(options).await;
+    refused(server.try_upload(&[b'y'; 60_000]).await);
+    server.jobs().cancel_job(v1::CancelJobRequest { job_id: job.clone() }).await.unwrap();
+    server.wait(&job).await;
+    server.stop().await;
+}

@@ -5,6 +5,7 @@ use std::process::Command;
 
 use counterpoint_proto::v1;
 use counterpoint_server::doctor::examine;
+use tonic_types::StatusExt as _;
 
 use crate::support::*;
 
@@ -181,4 +182,32 @@ async fn a_restored_folder_is_for_its_owner_only_even_if_it_was_there() {
         let mode = target.metadata().unwrap().permissions().mode() & 0o777;
         assert_eq!(mode, 0o700, "{verb}");
     }
+}
+
+/// The copy and the original number their later openings independently.
+#[tokio::test]
+async fn a_cursor_from_before_a_restore_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (data, copy, back) = (folder.path().join("data"), folder.path().join("backup"), folder.path().join("restored"));
+    Server::start(options(&data)).await.stop().await;
+    let (code, text) = command(&["backup"], &copy, &data).await;
+    assert_eq!(code, Some(0), "{text}");
+    let newest = async |server: &Server| {
+        let refused = v1::WatchJobsRequest { after: u64::MAX, ..Default::default() };
+        let refused = server.jobs().watch_jobs(refused).await.unwrap_err();
+        refused.get_error_details().error_info().unwrap().metadata["last_seq"].parse::<u64>().unwrap()
+    };
+    let server = Server::start(options(&data)).await;
+    server.wait(&server.submit("lost", "EVENTS 1").await).await;
+    let cursor = newest(&server).await;
+    server.stop().await;
+    let (code, text) = command(&["restore"], &copy, &back).await;
+    assert_eq!(code, Some(0), "{text}");
+    let server = Server::start(options(&back)).await;
+    for job in ["a", "b", "c"] {
+        server.wait(&server.submit(job, "EVENTS 1").await).await;
+    }
+    let request = v1::WatchJobsRequest { after: cursor, ..Default::default() };
+    assert_eq!(reason(&server.jobs().watch_jobs(request).await.unwrap_err()), "CURSOR_TOO_OLD");
+    server.stop().await;
 }

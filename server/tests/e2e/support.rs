@@ -368,13 +368,18 @@ impl Server {
     }
 
     pub async fn upload(&self, content: &[u8]) -> String {
-        let name = digest(content);
+        let (name, size) = self.try_upload(content).await.unwrap();
+        assert_eq!((name.as_str(), size), (digest(content).as_str(), content.len() as u64));
+        name
+    }
+
+    /// The digest and the size that the server tells.
+    pub async fn try_upload(&self, content: &[u8]) -> Result<(String, u64), tonic::Status> {
         let mut chunks: Vec<_> =
             content.chunks(1000).map(|c| v1::UploadRequest { data: c.to_vec().into(), ..Default::default() }).collect();
-        chunks.insert(0, v1::UploadRequest { digest: name.clone(), ..Default::default() });
-        let response = self.blobs().upload(tokio_stream::iter(chunks)).await.unwrap().into_inner();
-        assert_eq!((response.digest.as_str(), response.size), (name.as_str(), content.len() as u64));
-        name
+        chunks.insert(0, v1::UploadRequest { digest: digest(content), ..Default::default() });
+        let response = self.blobs().upload(tokio_stream::iter(chunks)).await?.into_inner();
+        Ok((response.digest, response.size))
     }
 
     /// A submit of one script.

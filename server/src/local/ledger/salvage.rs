@@ -22,9 +22,6 @@ use crate::local::store::Store;
 use crate::reason::Refusal;
 use crate::tenant;
 
-/// Number of openings of a ledger that does not tell it any more.
-const EPOCH: u64 = 1 << 20;
-
 type Contents = BTreeMap<String, Vec<u8>>;
 
 /// The rows that are whole.
@@ -276,7 +273,7 @@ impl Saved {
                 }
             }
             let mut meta = txn.open_table(schema::META).map_err(storage)?;
-            meta.insert("epoch", self.epoch.unwrap_or(EPOCH)).map_err(storage)?;
+            meta.insert("epoch", self.epoch.unwrap_or_default()).map_err(storage)?;
             if self.files {
                 meta.insert("files", 1).map_err(storage)?;
             }

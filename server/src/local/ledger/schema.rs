@@ -142,10 +142,15 @@ pub(super) fn highest(txn: &WriteTransaction) -> Result<i64, Refusal> {
     })
 }
 
-/// The number of this opening.
+/// 2026-01-01, ms since 1970.
+const FIRST_EPOCH_MS: i64 = 1_767_225_600_000;
+
+/// The number of this opening: the milliseconds since 2026, or the number after the last one. A ledger and the one that
+/// was restored from its backup both continue, and no number of one of them may be that of the other.
 pub(super) fn next_epoch(txn: &WriteTransaction) -> Result<u64, Refusal> {
     let mut table = txn.open_table(META).map_err(storage)?;
-    let epoch = table.get("epoch").map_err(storage)?.map_or(0, |row| row.value()) + 1;
+    let since = u64::try_from(now_ms() - FIRST_EPOCH_MS).unwrap_or(0);
+    let epoch = table.get("epoch").map_err(storage)?.map_or(0, |row| row.value()).saturating_add(1).max(since);
     table.insert("epoch", epoch).map_err(storage)?;
     Ok(epoch)
 }
