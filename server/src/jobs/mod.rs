@@ -252,7 +252,12 @@ impl Core {
     /// A job that is in memory from now on.
     fn in_memory(&self, record: Record) -> Arc<Live> {
         let live = self.accepted(record, None);
-        received::count_stored(self, &live);
+        // Answers that cannot be read are reported by the next run.
+        if let Some(tenant) = live.peek(|record| record.attended.then(|| record.tenant.clone()))
+            && let Ok(Some(work)) = self.ledger.work(&live.id)
+        {
+            *live.desk().received() = Some(received::received_before(self, &tenant, &work.answers));
+        }
         live
     }
 

@@ -7,7 +7,6 @@ use counterpoint_kernel::dialog::answers::{Answer, Value};
 
 use super::Core;
 use super::growing::Growing;
-use super::live::Live;
 use crate::reason::Refusal;
 
 /// Maximum size of all answers to the questions of one job, bytes: each further answer stores all of them again.
@@ -40,14 +39,6 @@ pub(crate) fn receive(
     }
     core.grow(received, size)?;
     Ok(size)
-}
-
-/// Counts the answers that the ledger has of a job taken up from there. If they cannot be read, the next run tells.
-pub(super) fn count_stored(core: &Core, live: &Live) {
-    let Some(tenant) = live.peek(|record| record.attended.then(|| record.tenant.clone())) else { return };
-    if let Ok(Some(work)) = core.ledger.work(&live.id) {
-        *live.desk().received() = Some(received_before(core, &tenant, &work.answers));
-    }
 }
 
 /// The bytes of the answers that earlier runs of a job have received.
