@@ -1372,7 +1372,7 @@ fields = [
     assert!(status.contains("'much' is not a valid number") && status.contains("must be 1 to 40, not 99"), "{status}");
     assert!(status.contains("Force, kN, 1 to 40, whole [20]:"), "{status}");
     let output = answering(&attended, "12\n");
-    assert!(texts(&output).contains("no answer for the dialog 'Clamp'"), "the end of the input declines");
+    assert!(texts(&output).contains("the operator declined the dialog 'Clamp'"), "the end of the input declines");
 }
 
 #[test]

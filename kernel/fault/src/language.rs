@@ -91,6 +91,7 @@ numbers! {
     NO_MODEL = 2910070, "no-machine-model", 0, "machine model function without a model";
     NO_SETTING = 2910071, "no-such-setting", 4, "unknown pre-processor setting";
     BAD_VALUE = 2910072, "value-not-accepted", 8, "value not accepted by a system variable";
+    NOT_ANSWERED = 2910073, "dialog-not-answered", 8, "dialog declined or not answered in time";
     MEMORY = 2900310, "macro-memory-limit", 16, "macros exceed the memory of the job";
     AUTHOR = 2910090, "macro-message", 0, "diagnostic issued by a macro itself";
 }

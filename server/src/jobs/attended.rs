@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use counterpoint_kernel::dialog::answers::Answer;
-use counterpoint_kernel::dialog::operator::{Operator, Question};
+use counterpoint_kernel::dialog::operator::{Operator, Question, Silence};
 
 use super::operator::{Desk, Outcome};
 use crate::ledger::Ledger;
@@ -25,14 +25,15 @@ pub(super) struct Attended {
 }
 
 impl Operator for Attended {
-    fn ask(&self, question: &Question<'_>) -> Option<Answer> {
+    fn ask(&self, question: &Question<'_>) -> Result<Answer, Silence> {
         match self.desk.put(question) {
             Outcome::Answered(answer) => answer,
             Outcome::Unanswered(number) => {
-                self.store(&Settled { channel: question.channel, question: number, answer: None });
-                None
+                let answer = Err(Silence::Late);
+                self.store(&Settled { channel: question.channel, question: number, answer });
+                Err(Silence::Late)
             }
-            Outcome::Closed => None,
+            Outcome::Closed => Err(Silence::Closed),
         }
     }
 }

@@ -256,7 +256,7 @@ impl Core {
         if let Some(tenant) = live.peek(|record| record.attended.then(|| record.tenant.clone()))
             && let Ok(Some(work)) = self.ledger.work(&live.id)
         {
-            *live.desk().received() = Some(received::received_before(self, &tenant, &work.answers));
+            *live.desk().received() = Some(received::received_before(self, &tenant, &work.outcomes()));
         }
         live
     }

@@ -12,7 +12,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
-use counterpoint_kernel::dialog::operator::Question;
+use counterpoint_kernel::dialog::operator::{Question, Silence};
 use counterpoint_kernel::dialog::{Button, ButtonKind, Dialog, Field, FieldKind};
 use counterpoint_proto::v1;
 use tokio::sync::watch;
@@ -36,7 +36,7 @@ pub(crate) struct Desk {
 #[derive(Debug, Default)]
 struct Inner {
     /// Answers of runs before, by channel.
-    recorded: HashMap<u16, VecDeque<Option<Answer>>>,
+    recorded: HashMap<u16, VecDeque<Result<Answer, Silence>>>,
     open: BTreeMap<u64, Open>,
     /// Number of questions of the run so far, by channel.
     asked: HashMap<u16, u64>,
@@ -53,8 +53,7 @@ struct Open {
     since_ms: i64,
     /// An answer is being made durable.
     claimed: bool,
-    /// The answer; `Some(None)` = declined.
-    answer: Option<Option<Answer>>,
+    answer: Option<Result<Answer, Silence>>,
 }
 
 impl Inner {
@@ -82,7 +81,7 @@ impl Desk {
     }
 
     /// Sets the answers that earlier runs have received, for the run that begins now.
-    pub(crate) fn record(&self, answers: Vec<(u16, Option<Answer>)>) {
+    pub(crate) fn record(&self, answers: Vec<(u16, Result<Answer, Silence>)>) {
         let mut inner = lock(&self.inner);
         inner.recorded.clear();
         for (channel, answer) in answers {
@@ -154,8 +153,8 @@ impl Desk {
         self.tell();
     }
 
-    /// Gives the answer to a question that was claimed; `None` = it is declined.
-    pub(crate) fn answer(&self, id: u64, answer: Option<Answer>) {
+    /// Gives the answer to a question that was claimed.
+    pub(crate) fn answer(&self, id: u64, answer: Result<Answer, Silence>) {
         if let Some(open) = lock(&self.inner).open.get_mut(&id) {
             open.answer = Some(answer);
         }
@@ -185,8 +184,8 @@ pub(crate) struct Claimed {
 /// How a question ends for its kernel.
 #[derive(Debug, PartialEq)]
 pub(super) enum Outcome {
-    /// The stored answer; `None` = declined.
-    Answered(Option<Answer>),
+    /// The stored answer.
+    Answered(Result<Answer, Silence>),
     /// No client answered in time; this is not stored yet. The number is that of the question within its channel.
     Unanswered(u64),
     /// The run is to end.
@@ -351,8 +350,8 @@ mod tests {
         assert_eq!(desk.claim(id), None, "another client has taken it");
         assert_eq!(desk.asking(), 1);
         assert!(desk.questions().is_empty());
-        desk.answer(id, Some(answer("D")));
-        assert_eq!(kernel.join().unwrap(), Outcome::Answered(Some(answer("D"))));
+        desk.answer(id, Ok(answer("D")));
+        assert_eq!(kernel.join().unwrap(), Outcome::Answered(Ok(answer("D"))));
         assert_eq!(desk.asking(), 0);
         assert_eq!(desk.claim(id), None);
         assert_eq!(*changes.borrow(), 3, "asked, claimed, closed");
@@ -361,10 +360,10 @@ mod tests {
     #[test]
     fn what_was_answered_before_is_answered_again() {
         let desk = Desk::new();
-        desk.record(vec![(1, Some(answer("A"))), (2, None), (1, Some(answer("B")))]);
-        assert_eq!(ask(&desk, 1), Outcome::Answered(Some(answer("A"))));
-        assert_eq!(ask(&desk, 2), Outcome::Answered(None));
-        assert_eq!(ask(&desk, 1), Outcome::Answered(Some(answer("B"))));
+        desk.record(vec![(1, Ok(answer("A"))), (2, Err(Silence::Declined)), (1, Ok(answer("B")))]);
+        assert_eq!(ask(&desk, 1), Outcome::Answered(Ok(answer("A"))));
+        assert_eq!(ask(&desk, 2), Outcome::Answered(Err(Silence::Declined)));
+        assert_eq!(ask(&desk, 1), Outcome::Answered(Ok(answer("B"))));
         assert!(desk.questions().is_empty());
     }
 
@@ -374,7 +373,7 @@ mod tests {
         for earlier in 0..3 {
             desk.begin_again();
             desk.set_patience(Duration::from_secs(60));
-            desk.record(vec![(1, Some(answer("D"))); earlier]);
+            desk.record(vec![(1, Ok(answer("D"))); earlier]);
             let kernel = std::thread::spawn({
                 let desk = desk.clone();
                 move || (0..=earlier).map(|_| ask(&desk, 1)).collect::<Vec<_>>()
@@ -386,8 +385,8 @@ mod tests {
             assert_eq!(desk.claim(earlier as u64), None);
             let next = earlier as u64 + 1;
             assert_eq!(desk.claim(next), claimed(1, next));
-            desk.answer(next, Some(answer("D")));
-            let all = (0..=earlier).map(|_| Outcome::Answered(Some(answer("D"))));
+            desk.answer(next, Ok(answer("D")));
+            let all = (0..=earlier).map(|_| Outcome::Answered(Ok(answer("D"))));
             assert_eq!(kernel.join().unwrap(), all.collect::<Vec<_>>());
         }
     }
@@ -407,8 +406,8 @@ mod tests {
         desk.release(1);
         assert_eq!(desk.questions().len(), 1);
         assert_eq!(desk.claim(1), claimed(1, 1));
-        desk.answer(1, None);
-        assert_eq!(kernel.join().unwrap(), Outcome::Answered(None));
+        desk.answer(1, Err(Silence::Declined));
+        assert_eq!(kernel.join().unwrap(), Outcome::Answered(Err(Silence::Declined)));
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! has ended. After that, the row of the job in the ledger counts.
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
+use counterpoint_kernel::dialog::operator::Silence;
 
 use super::Core;
 use super::growing::Growing;
@@ -42,8 +43,8 @@ pub(crate) fn receive(
 }
 
 /// The bytes of the answers that earlier runs of a job have received.
-pub(super) fn received_before(core: &Core, tenant: &str, answers: &[(u16, Option<Answer>)]) -> Growing {
-    let bytes = answers.iter().filter_map(|(_, answer)| answer.as_ref()).map(size).sum();
+pub(super) fn received_before(core: &Core, tenant: &str, answers: &[(u16, Result<Answer, Silence>)]) -> Growing {
+    let bytes = answers.iter().filter_map(|(_, answer)| answer.as_ref().ok()).map(size).sum();
     let mut growing = core.growing(tenant);
     growing.add(bytes);
     growing

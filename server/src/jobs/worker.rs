@@ -227,7 +227,8 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     {
         return Ok(Ran::Reused(change, log));
     }
-    let Work { machine, files, options, answers } = work;
+    let outcomes = work.outcomes();
+    let Work { machine, files, options, .. } = work;
     let files = Sandbox::new(core.blobs.of(&record.tenant), files);
     let options = Options { threads: core.threads(options.threads), ..options };
     let trusted = machine.trusted;
@@ -244,8 +245,8 @@ fn run(core: &Arc<Core>, live: &Arc<Live>) -> Result<Ran, Refusal> {
     let mut control = Control::new(info.channels.len()).with_stop(stop).with_cpu_clock(cpu::of_this_thread);
     if record.attended {
         let tenant = live.peek(|record| record.tenant.clone());
-        *live.desk().received() = Some(received::received_before(core, &tenant, &answers));
-        live.desk().record(answers);
+        *live.desk().received() = Some(received::received_before(core, &tenant, &outcomes));
+        live.desk().record(outcomes);
         live.desk().set_patience(Duration::from_secs(core.options.system.operator_wait_s));
         let (ledger, desk, job) = (core.ledger.clone(), live.desk().clone(), live.id.clone());
         control = control.with_operator(Arc::new(Attended { ledger, desk, job }));

@@ -9,6 +9,7 @@ pub(crate) mod first_error;
 pub(crate) mod prefix;
 pub(crate) mod record;
 pub(crate) mod settled;
+mod work;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;

@@ -8,16 +8,16 @@
 use std::collections::BTreeMap;
 
 use counterpoint_kernel::control::Limit;
-use counterpoint_kernel::dialog::answers::Answer;
 use counterpoint_kernel::job::Program;
 use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::options::{Limits, Options};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use super::work::Work;
 use super::{crashes::Crashes, first_error::FirstError};
 use crate::clock::Clock;
 pub(crate) use crate::clock::now_ms;
-use crate::machines::{Definition, Pinned};
+use crate::machines::Pinned;
 use crate::tenant;
 
 /// State of a job.
@@ -254,38 +254,6 @@ pub struct Reuse {
 /// server.
 pub(crate) const CONTENT: &str = "2:";
 
-/// The part of a job that only a run needs. It may be large.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Work {
-    /// The machine with the digests of its files.
-    pub(crate) machine: Definition,
-    /// Path and digest of every file.
-    pub(crate) files: Vec<(String, String)>,
-    /// Options, with the limits that count.
-    #[serde(default)]
-    pub(crate) options: Options,
-    /// Outcomes of the questions to the operator so far, by channel in the order of the questions; used again when the
-    /// job is run again.
-    #[serde(default)]
-    pub(crate) answers: Vec<(u16, Option<Answer>)>,
-}
-
-impl Work {
-    /// Maximum bytes of a work that stays in memory until the first run.
-    pub(crate) const SMALL: u64 = 1024;
-
-    /// Whether the work is small enough to stay in memory: a few files, and neither answers nor parameters.
-    pub(crate) fn is_small(&self) -> bool {
-        const FILE: usize = 128;
-        let own = self.files.iter().map(|(path, digest)| FILE + path.len() + digest.len());
-        let machine = self.machine.files.iter().map(|(path, digest)| FILE + path.len() + digest.len());
-        let Options { answers, parameters, warnings_off, warnings_on, ignore_waits, .. } = &self.options;
-        let lists = warnings_off.len() + warnings_on.len() + ignore_waits.len();
-        let plain = answers.is_empty() && parameters.is_empty() && lists == 0 && self.answers.is_empty();
-        plain && (own.chain(machine).sum::<usize>() as u64) <= Self::SMALL
-    }
-}
-
 /// A job without its `Work`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
@@ -447,38 +415,13 @@ impl Record {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use counterpoint_kernel::dialog::answers::Value;
-
     use super::*;
+    use crate::machines::Definition;
 
     /// Work on a shipped machine.
     pub(crate) fn work() -> Work {
         let machine = Definition::shipped("fanuc-mill");
-        Work { machine, files: Vec::new(), options: Options::default(), answers: Vec::new() }
-    }
-
-    #[test]
-    fn numbers_of_answers_come_back_as_they_were_given() {
-        let mut bits = 0x9E37_79B9_7F4A_7C15_u64;
-        for _ in 0..5000 {
-            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let number = f64::from_bits(bits ^ (bits >> 29));
-            if number.is_finite() {
-                let stored = serde_json::to_vec(&Value::Number(number)).unwrap();
-                assert_eq!(serde_json::from_slice::<Value>(&stored).unwrap(), Value::Number(number));
-            }
-        }
-    }
-
-    #[test]
-    fn only_a_small_work_stays_in_memory() {
-        let file = |n: usize| (format!("sub/{n}.nc"), "0".repeat(64));
-        let with = |files: usize| Work { files: (0..files).map(file).collect(), ..work() };
-        assert!(work().is_small() && with(4).is_small() && !with(6).is_small());
-        let answers = vec![Answer::default()];
-        assert!(!Work { options: Options { answers, ..Options::default() }, ..work() }.is_small());
-        let parameters = "-A".to_owned();
-        assert!(!Work { options: Options { parameters, ..Options::default() }, ..work() }.is_small());
+        Work { machine, files: Vec::new(), options: Options::default(), answers: Vec::new(), late: Vec::new() }
     }
 
     #[test]

@@ -3,7 +3,10 @@
 //! *Invariant:* the work of a job has one outcome for each question that is over, in the order of the questions of each
 //! channel.
 
+use std::collections::HashMap;
+
 use counterpoint_kernel::dialog::answers::Answer;
+use counterpoint_kernel::dialog::operator::Silence;
 
 use super::record::Work;
 
@@ -13,19 +16,34 @@ pub(crate) struct Settled {
     pub(crate) channel: u16,
     /// Number of the question within the channel, from 1.
     pub(crate) question: u64,
-    /// `None`: the operator declined, or did not answer in time.
-    pub(crate) answer: Option<Answer>,
+    pub(crate) answer: Result<Answer, Silence>,
 }
 
 impl Work {
     /// Adds the outcome of a question. It replaces an outcome that was stored for the question but not acknowledged.
     pub(crate) fn settle(&mut self, Settled { channel, question, answer }: Settled) {
+        self.late.retain(|(of, number)| *of != channel || *number < question);
+        if answer == Err(Silence::Late) {
+            self.late.push((channel, question));
+        }
         let mut number = 0;
         self.answers.retain(|(of, _)| {
             number += u64::from(*of == channel);
             *of != channel || number < question
         });
-        self.answers.push((channel, answer));
+        self.answers.push((channel, answer.ok()));
+    }
+
+    /// The outcomes of the questions so far, by channel in the order of the questions.
+    pub(crate) fn outcomes(&self) -> Vec<(u16, Result<Answer, Silence>)> {
+        let mut asked: HashMap<u16, u64> = HashMap::new();
+        let outcome = |(channel, answer): &(u16, Option<Answer>)| {
+            let number = asked.entry(*channel).or_default();
+            *number += 1;
+            let silence = if self.late.contains(&(*channel, *number)) { Silence::Late } else { Silence::Declined };
+            (*channel, answer.clone().ok_or(silence))
+        };
+        self.answers.iter().map(outcome).collect()
     }
 }
 
@@ -37,12 +55,20 @@ mod tests {
     #[test]
     fn the_outcome_of_a_question_replaces_one_that_was_not_acknowledged() {
         let mut work = work();
-        let answer = |button: &str| Some(Answer { button: Some(button.into()), ..Answer::default() });
-        for (channel, question, answer) in
-            [(1, 1, answer("a")), (2, 1, None), (1, 2, answer("b")), (1, 2, None), (2, 2, answer("c"))]
-        {
+        let answer = |button: &str| Ok(Answer { button: Some(button.into()), ..Answer::default() });
+        let (declined, late) = (|| Err(Silence::Declined), || Err(Silence::Late));
+        let settled = [
+            (1, 1, answer("a")),
+            (2, 1, late()),
+            (1, 2, late()),
+            (1, 2, answer("b")),
+            (1, 2, declined()),
+            (2, 2, answer("c")),
+        ];
+        for (channel, question, answer) in settled {
             work.settle(Settled { channel, question, answer });
         }
-        assert_eq!(work.answers, [(1, answer("a")), (2, None), (1, None), (2, answer("c"))]);
+        let work: Work = serde_json::from_str(&serde_json::to_string(&work).unwrap()).unwrap();
+        assert_eq!(work.outcomes(), [(1, answer("a")), (2, late()), (1, declined()), (2, answer("c"))]);
     }
 }

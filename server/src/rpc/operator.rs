@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use counterpoint_kernel::dialog::answers::Answer;
+use counterpoint_kernel::dialog::operator::Silence;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::attend_request::Content as Said;
 use counterpoint_proto::v1::attend_response::Content;
@@ -139,7 +140,7 @@ async fn settle(core: &Core, live: &Live, id: u64, given: Option<Given>) -> Resu
     }
     let Some(Claimed { channel, question, dialog }) = live.desk().claim(id) else { return Ok(false) };
     let field = given.as_ref().map_or("", |(field, _)| field);
-    let answer = given.map(|(_, answer)| Answer { dialog, ..submit::answer(answer) });
+    let answer = given.map(|(_, answer)| Answer { dialog, ..submit::answer(answer) }).ok_or(Silence::Declined);
     let counted = answer.as_ref().map_or(Ok(0), |answer| {
         let tenant = live.peek(|record| record.tenant.clone());
         received::receive(core, &mut live.desk().received(), (&tenant, live.most_bytes()), (field, answer))

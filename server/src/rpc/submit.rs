@@ -48,7 +48,7 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
     };
     let asked = Asked { guess, ..asked };
     let machine = machine(core, tenant, &machine_name)?;
-    let work = limited(core, &asked, Work { machine, files, options, answers: Vec::new() });
+    let work = limited(core, &asked, Work { machine, files, options, answers: Vec::new(), late: Vec::new() });
     // The ledger gives the job its name when it accepts it.
     let record = Record {
         content,
@@ -96,7 +96,7 @@ pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobReque
         limits: earlier.asked.limits.clone().or_else(early),
     };
     let runs = Runs { wall_ms: earlier.runs.wall_ms, max_job_bytes: earlier.runs.max_job_bytes, ..Runs::default() };
-    let work = limited(core, &asked, Work { answers: Vec::new(), ..work });
+    let work = limited(core, &asked, Work { answers: Vec::new(), late: Vec::new(), ..work });
     let record = Record {
         content,
         tenant: earlier.tenant,

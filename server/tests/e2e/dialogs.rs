@@ -86,7 +86,7 @@ async fn a_repeated_run_asks_no_question_again_that_nobody_answered_in_time() {
         let mut heard = questions(&server, &job).await;
         assert_eq!(question(&mut heard).await, (3, "Three".into()), "paused: {paused}");
         answer(&server, &job, 3, "Yes").await;
-        assert_eq!(said(&server, &job).await, ["One: -", "Two: No", "Three: Yes"], "paused: {paused}");
+        assert_eq!(said(&server, &job).await, ["One: late", "Two: No", "Three: Yes"], "paused: {paused}");
         server.stop().await;
     }
 }
@@ -146,6 +146,28 @@ async fn events_before_a_question_are_delivered_while_the_question_is_open() {
     request.machine = "own".into();
     let prepared = server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
     assert_eq!(server.events(&prepared, 0).await, server.events(&job, 0).await);
+    server.stop().await;
+}
+
+/// A dialog without an answer names the cause: an operator who declined, or one who did not answer in time.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_dialog_that_was_declined_or_expired_is_reported_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let system = System { operator_wait_s: 1, ..System::default() };
+    let server = asking_machine(Options { system, ..options(folder.path()) }).await;
+    let job = attended(&server, "own", "O1\nG90 G94 F100 S500 M3\nT3 M6\nT4 M6\nM30\n").await;
+    let mut heard = questions(&server, &job).await;
+    assert_eq!(question(&mut heard).await.0, 1);
+    let decline = v1::AnswerQuestionRequest { job_id: job.clone(), question_id: 1, answer: None };
+    assert!(server.operator().answer_question(decline).await.unwrap().into_inner().accepted);
+    let said: Vec<_> = server.events(&job, 0).await.into_iter().filter_map(|event| event.kind).collect();
+    let diagnostics = said.iter().filter_map(|kind| match kind {
+        v1::event::Kind::Diagnostic(diagnostic) if diagnostic.number == 2_910_073 => Some(diagnostic.text.as_str()),
+        _ => None,
+    });
+    let texts: Vec<&str> = diagnostics.map(|text| text.lines().next().unwrap()).collect();
+    let expected = ["the operator declined the dialog 'ask'", "no operator answered the dialog 'ask' in time"];
+    assert_eq!(texts, expected);
     server.stop().await;
 }
 

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::dialog::answers::Value;
-use counterpoint_kernel::dialog::operator::Question;
+use counterpoint_kernel::dialog::operator::{Question, Silence};
 use counterpoint_kernel::dialog::{Dialog, Field, FieldKind};
 use counterpoint_kernel::event::Text;
 use counterpoint_kernel::files::Files;
@@ -266,9 +266,13 @@ impl Prepared for Ready {
                     let dialog = Dialog { name: name.into(), title: name.into(), fields, buttons: vec![] };
                     let (file, values) = ("main.nc", &values[..]);
                     let question = Question { channel: 1, file, line: 1, dialog: &dialog, values, problem: None };
-                    let answer = control.operator().and_then(|operator| operator.ask(&question));
+                    let answer = control.operator().map(|operator| operator.ask(&question));
                     self.own.asked.fetch_add(1, Ordering::SeqCst);
-                    let text = answer.map_or("-".to_owned(), |answer| answer.button.unwrap_or_default());
+                    let text = match answer {
+                        Some(Ok(answer)) => answer.button.unwrap_or_default(),
+                        Some(Err(Silence::Late)) => "late".to_owned(),
+                        Some(Err(_)) | None => "-".to_owned(),
+                    };
                     let text = format!("{name}: {text}");
                     let kind = Kind::Diagnostic(Box::new(Diagnostic {
                         number: 8,

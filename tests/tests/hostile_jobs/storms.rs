@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use counterpoint_kernel::dialog::answers::{Answer, Value};
-use counterpoint_kernel::dialog::operator::{Operator, Question};
+use counterpoint_kernel::dialog::operator::{Operator, Question, Silence};
 
 use counterpoint_kernel::options::Options;
 
@@ -49,10 +49,10 @@ fn asking(name: &'static str, ends_with: &'static [u32]) -> Case {
 struct Wrong;
 
 impl Operator for Wrong {
-    fn ask(&self, _: &Question<'_>) -> Option<Answer> {
+    fn ask(&self, _: &Question<'_>) -> Result<Answer, Silence> {
         let text = Value::Text("x".repeat(1 << 20));
         let values = vec![("%G05".to_owned(), text), ("%G06".to_owned(), Value::Number(1e300))];
-        Some(Answer { dialog: "Q".to_owned(), button: Some("OK".to_owned()), values: values.into_iter().collect() })
+        Ok(Answer { dialog: "Q".to_owned(), button: Some("OK".to_owned()), values: values.into_iter().collect() })
     }
 }
 
@@ -60,8 +60,8 @@ impl Operator for Wrong {
 struct Quick;
 
 impl Operator for Quick {
-    fn ask(&self, _: &Question<'_>) -> Option<Answer> {
-        Some(Answer { dialog: "Q".to_owned(), ..Answer::default() })
+    fn ask(&self, _: &Question<'_>) -> Result<Answer, Silence> {
+        Ok(Answer { dialog: "Q".to_owned(), ..Answer::default() })
     }
 }
 

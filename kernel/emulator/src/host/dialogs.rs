@@ -103,7 +103,7 @@ impl Kernel<'_> {
                     let answer = operator.ask(&Question { channel, file, line, dialog, values, problem })?;
                     let values = values.iter().map(|(_, value)| value).chain(answer.values.values());
                     asked = values.map(length).fold(asked.saturating_add(DIALOG_TICKS), usize::saturating_add);
-                    Some(answer)
+                    Ok(answer)
                 };
                 dialog::operator::converse(&machine.dialogs, name, &mut ask, &mut current)
             }
@@ -112,7 +112,13 @@ impl Kernel<'_> {
         // If the end of the run closed the question, this is not a dialog without an answer.
         self.check_running(state)?;
         state.spend(asked)?;
-        let shown = shown.map_err(|failure: Failure| Fault::new(Number::NO_DIALOG, failure.to_string()))?;
+        let shown = shown.map_err(|failure: Failure| {
+            let number = match failure {
+                Failure::Declined(_) | Failure::Late(_) => Number::NOT_ANSWERED,
+                Failure::Unknown(_) | Failure::Unanswered(_) | Failure::Refused(_) => Number::NO_DIALOG,
+            };
+            Fault::new(number, failure.to_string())
+        })?;
         for (variable, value) in shown.values {
             let Some(at) = self.bound(&variable) else {
                 let text = format!("the dialog '{name}' sets {variable}, which is not a variable shared by macros");

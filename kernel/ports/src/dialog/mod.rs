@@ -103,6 +103,12 @@ pub enum Failure {
     /// The job brings no answer: it runs in the background.
     #[error("the job has no answer for the dialog '{0}'")]
     Unanswered(String),
+    /// The operator declined.
+    #[error("the operator declined the dialog '{0}'")]
+    Declined(String),
+    /// The time of the server for an answer expired.
+    #[error("no operator answered the dialog '{0}' in time")]
+    Late(String),
     /// A value cannot be taken.
     #[error("{0}")]
     Refused(String),

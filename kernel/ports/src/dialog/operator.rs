@@ -28,14 +28,40 @@ pub struct Question<'a> {
     pub problem: Option<&'a str>,
 }
 
+/// Why a question has no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Silence {
+    /// The operator declined.
+    Declined,
+    /// No operator answered in time.
+    Late,
+    /// The run is to end.
+    Closed,
+}
+
+impl Silence {
+    /// The failure of a dialog with this name.
+    fn of(self, dialog: &Dialog) -> Failure {
+        let name = dialog.name.clone();
+        match self {
+            Self::Declined => Failure::Declined(name),
+            Self::Late => Failure::Late(name),
+            Self::Closed => Failure::Unanswered(name),
+        }
+    }
+}
+
 /// The operator who answers dialogs.
 pub trait Operator: Send + Sync {
-    /// Puts a question and waits for the answer; `None` if no operator will answer, or the job is cancelled.
-    fn ask(&self, question: &Question<'_>) -> Option<Answer>;
+    /// Puts a question and waits for the answer.
+    ///
+    /// # Errors
+    /// The reason why there is no answer.
+    fn ask(&self, question: &Question<'_>) -> Result<Answer, Silence>;
 }
 
 /// Puts a dialog, the values that its fields begin with, and the reason why the answer before was refused.
-pub type Ask<'a> = dyn FnMut(&Dialog, &[(String, Value)], Option<&str>) -> Option<Answer> + 'a;
+pub type Ask<'a> = dyn FnMut(&Dialog, &[(String, Value)], Option<&str>) -> Result<Answer, Silence> + 'a;
 
 /// Shows a dialog until a button ends it.
 ///
@@ -81,7 +107,7 @@ fn open(
         };
         let values = dialog.start(&mut now);
         let answer = ask(dialog, &values, problem.as_deref());
-        let answer = answer.ok_or_else(|| Failure::Unanswered(dialog.name.clone()))?;
+        let answer = answer.map_err(|silence| silence.of(dialog))?;
         let wanted = answer.button.as_deref();
         let button = dialog.buttons.iter().find(|button| match wanted {
             Some(label) => button.label.eq_ignore_ascii_case(label),
@@ -135,10 +161,10 @@ mod tests {
         let mut ask = |dialog: &Dialog, values: &[(String, Value)], problem: Option<&str>| {
             let values: Vec<String> = values.iter().map(|(name, value)| format!("{name}={value}")).collect();
             seen.push(format!("{} {} {}", dialog.name, values.join(","), problem.unwrap_or("-")));
-            let (button, values) = turn.next()?;
+            let (button, values) = turn.next().ok_or(Silence::Declined)?;
             let value = |(name, value): &(&str, f64)| ((*name).to_owned(), Value::Number(*value));
             let values = values.iter().map(value).collect();
-            Some(Answer { dialog: dialog.name.clone(), button: button.map(str::to_owned), values })
+            Ok(Answer { dialog: dialog.name.clone(), button: button.map(str::to_owned), values })
         };
         let shown = converse(&dialogs(), "outer", &mut ask, &mut |_| None);
         (shown, seen)
@@ -171,7 +197,9 @@ mod tests {
 
     #[test]
     fn silence_and_endless_nonsense_end_it() {
-        assert_eq!(talk(&[]).0, Err(Failure::Unanswered("Outer".into())));
+        assert_eq!(talk(&[]).0, Err(Failure::Declined("Outer".into())));
+        let late = converse(&dialogs(), "outer", &mut |_, _, _| Err(Silence::Late), &mut |_| None);
+        assert_eq!(late, Err(Failure::Late("Outer".into())));
         let nonsense = vec![(None, &[("A", 99.0)][..]); 200];
         let (shown, seen) = talk(&nonsense);
         assert!(matches!(shown, Err(Failure::Refused(_))));

@@ -8,6 +8,8 @@ use std::io;
 use std::path::Path;
 use std::sync::atomic::{AtomicI64, Ordering};
 
+use counterpoint_kernel::dialog::operator::Silence;
+
 use super::checkup::Checkup;
 use super::*;
 use crate::ledger::record::tests::{record, work};
@@ -96,7 +98,10 @@ impl Twin {
             }
             Operation::Answer(id, settled) => {
                 if self.jobs.get(id).is_some_and(|job| !job.state.ended()) {
-                    self.works.get_mut(id).into_iter().for_each(|work| work.answers.push((1, settled.answer.clone())));
+                    self.works
+                        .get_mut(id)
+                        .into_iter()
+                        .for_each(|work| work.answers.push((1, settled.answer.clone().ok())));
                 }
             }
             Operation::End(record, log) => {
@@ -200,7 +205,9 @@ fn operation(random: &mut Random, twin: &Twin, step: usize) -> Operation {
                 return match random.below(3) {
                     0 => Operation::Cancel(id.clone()),
                     1 => Operation::Pause(id.clone(), random.below(2) == 0),
-                    _ => Operation::Answer(id.clone(), Settled { channel: 1, question, answer: None }),
+                    _ => {
+                        Operation::Answer(id.clone(), Settled { channel: 1, question, answer: Err(Silence::Declined) })
+                    }
                 };
             }
         }
