@@ -220,13 +220,29 @@ impl Attend {
         let (id, answer) = match content {
             Said::JobId(_) => return Err(Refusal::field("job_id", "may be given in the first message only")),
             Said::Declined(id) => (id, None),
-            Said::Answer(answer) => {
-                let given = answer.answer.ok_or_else(|| Refusal::field("answer.answer", "is missing"))?;
-                door::answer("answer.answer", &given)?;
-                (answer.question_id, Some(("answer.answer", given)))
-            }
+            Said::Answer(v1::QuestionAnswer { question_id, answer }) => (question_id, Some(answer)),
         };
         // A question that another client has answered is reported as closed.
-        settle(&self.core, &self.live, id, answer).await.map(drop)
+        let Err(refusal) = self.settle(id, answer).await else { return Ok(()) };
+        let Some(question) = self.live.desk().question(id) else { return Ok(()) };
+        // The client asks again: one wrong answer ends neither the stream nor the question.
+        let question = v1::Question { problem: Status::from(refusal).message().to_owned(), ..question };
+        // The loop finds out that the client has gone.
+        let _ = self.send.send(Ok(message(Content::Question(question)))).await;
+        Ok(())
+    }
+
+    /// Answers a question (`Some`) or declines it.
+    async fn settle(&self, id: u64, given: Option<Option<v1::DialogAnswer>>) -> Result<bool, Refusal> {
+        const FIELD: &str = "answer.answer";
+        let given = match given {
+            None => None,
+            Some(None) => return Err(Refusal::field(FIELD, "is missing")),
+            Some(Some(answer)) => {
+                door::answer(FIELD, &answer)?;
+                Some((FIELD, answer))
+            }
+        };
+        settle(&self.core, &self.live, id, given).await
     }
 }

@@ -58,22 +58,45 @@ async fn an_answer_that_its_dialog_cannot_take_is_refused_by_name_and_the_questi
         assert_eq!(field, "answer.values", "{variable}");
         assert!(description.contains(&format!("'{variable}'")) && description.contains(rule), "{description}");
     }
-    // A stream of an operator is refused in the same way.
-    let given = v1::QuestionAnswer { question_id: question, answer: Some(answer(&[("OTHER", text("x"))])) };
-    let said = [v1::attend_request::Content::JobId(job.clone()), v1::attend_request::Content::Answer(given)];
-    let said = said.map(|content| v1::AttendRequest { content: Some(content) });
-    let mut heard = server.operator().attend(tokio_stream::iter(said)).await.unwrap().into_inner();
-    let refused = loop {
-        match heard.message().await {
-            Ok(message) => assert!(message.is_some(), "the answer is taken"),
-            Err(refused) => break refused,
-        }
-    };
-    assert_eq!(violation(&refused).0, "answer.answer.values");
     // Letter case of variables is ignored, and an empty text means no value. The question also lists DEPTH.
     let values = [("name", text("12345")), ("COUNT", text("")), ("CLAMP", Value::Flag(true)), ("DEPTH", text("x"))];
     assert!(give(&server, &job, question, answer(&values)).await.unwrap());
     assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);
+    server.stop().await;
+}
+
+/// An operator who mistypes keeps the stream: the question comes again with the reason.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_refused_answer_asks_again_in_the_stream_of_its_operator() {
+    use v1::attend_request::Content as Say;
+    use v1::attend_response::Content as Heard;
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let (job, question) = asking(&server, "FORM Form").await;
+    let (say, requests) = tokio::sync::mpsc::channel(8);
+    let said = async |content| say.send(v1::AttendRequest { content: Some(content) }).await.unwrap();
+    said(Say::JobId(job.clone())).await;
+    let requests = tokio_stream::wrappers::ReceiverStream::new(requests);
+    let mut heard = server.operator().attend(requests).await.unwrap().into_inner();
+    let mut hear = async || {
+        let message = tokio::time::timeout(std::time::Duration::from_secs(20), heard.message());
+        message.await.expect("in time").unwrap().expect("the stream goes on").content.unwrap()
+    };
+    let give = async |answer| {
+        said(Say::Answer(v1::QuestionAnswer { question_id: question, answer })).await;
+    };
+    assert!(matches!(hear().await, Heard::Question(asked) if asked.problem.is_empty()));
+    let wrong = answer(&[("OTHER", Value::Text("x".to_owned()))]);
+    for (given, rule) in [(Some(wrong), "the dialog 'Form' has no such field"), (None, "is missing")] {
+        give(given).await;
+        let Heard::Question(asked) = hear().await else { panic!("the question comes again") };
+        assert_eq!(asked.id, question);
+        assert!(asked.problem.contains(rule), "{}", asked.problem);
+        assert!(asked.dialog.is_some());
+    }
+    give(Some(answer(&[("NAME", Value::Text("12345".to_owned()))]))).await;
+    assert_eq!(hear().await, Heard::Closed(question));
+    assert!(matches!(hear().await, Heard::Ended(status) if status.state() == v1::JobState::Succeeded));
     server.stop().await;
 }
 
