@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::problems::{counts, problems};
 use crate::say::{BAD, GOOD, WARN, styled};
-use crate::summary::{Channel, Summary, Tool, ToolTimes};
+use crate::summary::{Summary, Tool, ToolTimes};
 use crate::text::{more, table, time};
 
 /// Diagnostics shown at most.
@@ -27,10 +27,8 @@ pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
         "SUCCEEDED" => GOOD,
         _ => BAD,
     };
-    // Only programs that have come to their end have a cycle time.
-    let ran = |channel: &&Channel| !channel.program.is_empty();
-    let complete = !summary.cancelled() && summary.channels.iter().filter(ran).all(|channel| channel.state == "ENDED");
-    let label = if complete { "cycle time" } else { "stopped after" };
+    // As `status` and `wait` show it: only a job that has succeeded has a cycle time.
+    let label = if summary.state == "SUCCEEDED" { "cycle time" } else { "stopped after" };
     let mut out = format!("{}  {label} {}\n", styled(style, head), time(summary.makespan_ns));
     if summary.cancelled() {
         let _ = writeln!(out, "cancelled before the end: times and sync points cover only the part that was run");
@@ -134,6 +132,7 @@ mod tests {
             "diagnostics":[{"number":7,"severity":2,"channel":1,"text":"a"},{"number":9,"severity":9,"channel":1,
             "file":"p.nc","line":4,"block":"G99","text":"b"},{"number":7,"severity":2,"channel":1,"text":"a"}]}"#;
         let report = report(&serde_json::from_str(text).unwrap(), false);
+        assert!(report.contains("  stopped after 00:00.005\n"), "as in `wait`: {report}");
         let line = |start: &str| report.lines().find(|line| line.trim_start().starts_with(start)).unwrap_or_default();
         let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>().join(" ");
         assert_eq!(words(line("tool")), "tool name channel diameter mm radius mm offsets time feed rapid misc wait");
