@@ -101,6 +101,29 @@ pub(crate) fn json_line(job: &v1::JobStatus) -> String {
     format!("{}\n", visible(&as_json(job).to_string()))
 }
 
+/// The same with the progress of the job.
+pub(crate) fn json_line_with(job: &v1::JobStatus, progress: Option<&v1::Progress>) -> String {
+    let mut json = as_json(job);
+    if let (Some(object), Some(progress)) = (json.as_object_mut(), progress) {
+        object.insert("events".to_owned(), progress.position.into());
+        object.insert("progress".to_owned(), progress.channels.iter().map(channel_as_json).collect());
+    }
+    format!("{}\n", visible(&json.to_string()))
+}
+
+fn channel_as_json(channel: &v1::ChannelProgress) -> serde_json::Value {
+    serde_json::json!({
+        "channel": channel.channel,
+        "name": channel.name,
+        "state": channel.state().as_str_name().trim_start_matches("CHANNEL_STATE_"),
+        "blocks": channel.blocks,
+        "line": channel.line,
+        "percent": channel.percent,
+        "t_ns": channel.t_ns,
+        "waiting_for": channel.waiting_for,
+    })
+}
+
 fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     let mut json = serde_json::json!({
         "job": job.job_id,
@@ -190,6 +213,20 @@ mod tests {
         assert_eq!(shown(v1::JobState::Queued, true), "CANCELLING");
         assert_eq!(shown(v1::JobState::Cancelled, false), "CANCELLED");
         assert_eq!(shown(v1::JobState::Succeeded, false), "SUCCEEDED", "it ended before it could stop");
+    }
+
+    #[test]
+    fn the_progress_of_a_running_job_is_in_its_json() {
+        let state = v1::ChannelState::Running.into();
+        let channel = v1::ChannelProgress { channel: 2, state, blocks: 7, t_ns: 5, ..Default::default() };
+        let progress = v1::Progress { position: 12, channels: vec![channel], ..Default::default() };
+        let line = json_line_with(&v1::JobStatus::default(), Some(&progress));
+        let json: serde_json::Value = serde_json::from_str(&line).unwrap();
+        assert_eq!(json["events"], 12);
+        let channel = &json["progress"][0];
+        let shown = (&channel["channel"], &channel["state"], &channel["blocks"], &channel["t_ns"]);
+        assert_eq!(shown, (&2.into(), &"RUNNING".into(), &7.into(), &5.into()));
+        assert_eq!(json_line_with(&v1::JobStatus::default(), None), json_line(&v1::JobStatus::default()));
     }
 
     #[test]

@@ -121,7 +121,8 @@ fn bar(name: &str) -> ProgressBar {
     bar
 }
 
-fn describe(channel: &v1::ChannelProgress, cancelling: bool) -> String {
+/// The blocks, the simulated time and the state of a channel.
+pub(crate) fn describe(channel: &v1::ChannelProgress, cancelling: bool) -> String {
     let state = match channel.state() {
         _ if cancelling => "cancelling".to_owned(),
         v1::ChannelState::Waiting if !channel.waiting_for.is_empty() => format!("waits for {}", channel.waiting_for),

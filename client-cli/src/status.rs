@@ -7,10 +7,12 @@ use crate::arguments::Status;
 use crate::client::Client;
 use crate::error::Error;
 use crate::job_status::{
-    first_error, json_line, labels, programs, ran_ms, simulated, simulated_label, state_name, waits, waits_for_client,
+    first_error, json_line_with, labels, programs, ran_ms, simulated, simulated_label, state_name, waits,
+    waits_for_client,
 };
 use crate::jobs::now_ms;
 use crate::outcome::errors;
+use crate::progress::describe;
 use crate::text::time;
 use crate::{job_names, reused, say};
 
@@ -24,10 +26,11 @@ pub(crate) async fn status(arguments: Status) -> Result<u8, Error> {
     let answer = client.jobs().get_job(v1::GetJobRequest { job_id }).await?.into_inner();
     let status = answer.status.unwrap_or_default();
     if arguments.json {
-        say::data(json_line(&status).as_bytes())?;
+        say::data(json_line_with(&status, answer.progress.as_ref()).as_bytes())?;
     } else {
         let source = reused::source(&client, &status).await?;
-        say::data(shown(&status, (&answer.pinned_machine, source), now_ms()).as_bytes())?;
+        let text = shown(&status, (&answer.pinned_machine, source), now_ms());
+        say::data((text + &running(answer.progress.as_ref())).as_bytes())?;
     }
     Ok(0)
 }
@@ -38,6 +41,17 @@ pub(crate) fn heading(status: &v1::JobStatus) -> String {
     let labelled = if labels.is_empty() { String::new() } else { format!("  {labels}") };
     let note = reused::note(status).map(|note| format!("{note}\n")).unwrap_or_default();
     format!("job {}{labelled}  submitted {} UTC\n{note}", status.job_id, instant(status.submitted_ms))
+}
+
+/// One line for each channel of a running job, and the number of events so far.
+fn running(progress: Option<&v1::Progress>) -> String {
+    let Some(progress) = progress else { return String::new() };
+    let channel = |c: &v1::ChannelProgress| {
+        let state = describe(c, progress.cancel_requested);
+        format!("{:<13} {:.0} %, line {}, {state}\n", c.name, c.percent, c.line)
+    };
+    let events = format!("{:<13} {}\n", "events", progress.position);
+    progress.channels.iter().map(channel).chain([events]).collect()
 }
 
 /// One line for each known fact.
@@ -116,6 +130,26 @@ mod tests {
             ]
         );
         assert_eq!(heading(&job), "job 01938f2c  bracket 17 shift=early  submitted 1970-01-01 00:00:01 UTC\n");
+    }
+
+    #[test]
+    fn a_running_job_has_its_progress() {
+        let channel = v1::ChannelProgress {
+            name: "UPPER".to_owned(),
+            state: v1::ChannelState::Waiting.into(),
+            blocks: 500,
+            line: 12,
+            percent: 40.2,
+            t_ns: 61_234_000_000,
+            waiting_for: "M101 with 2".to_owned(),
+            ..Default::default()
+        };
+        let progress = v1::Progress { position: 1200, channels: vec![channel], ..Default::default() };
+        assert_eq!(
+            running(Some(&progress)).lines().collect::<Vec<_>>(),
+            ["UPPER         40 %, line 12, block 500  01:01.234  waits for M101 with 2", "events        1200",]
+        );
+        assert_eq!(running(None), "");
     }
 
     #[test]

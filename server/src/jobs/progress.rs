@@ -9,10 +9,25 @@ use counterpoint_kernel::log::event::Wait;
 use counterpoint_kernel::log::info::Channel;
 use counterpoint_proto::v1;
 
-use super::live::Run;
+use super::Core;
+use super::describe::state;
+use super::live::{Live, Run};
+
+/// The progress of a job; `position` is the number of the last event that its receiver knows.
+pub(crate) fn now(core: &Core, live: &Live, position: u64) -> v1::Progress {
+    v1::Progress {
+        state: state(live.state()).into(),
+        position,
+        channels: live.run().map(|run| channels(&run)).unwrap_or_default(),
+        queued_before: u32::try_from(core.queued_before(&live.id)).unwrap_or(u32::MAX),
+        cancel_requested: live.peek(|record| record.cancel && !record.state.ended()),
+        operator_wait: live.operator_wait(),
+        paused: live.peek(|record| record.paused && !record.state.ended()),
+    }
+}
 
 /// All channels of a run.
-pub(crate) fn channels(run: &Run) -> Vec<v1::ChannelProgress> {
+fn channels(run: &Run) -> Vec<v1::ChannelProgress> {
     run.info.channels.iter().zip(run.control.progress()).map(|(channel, progress)| one(channel, progress)).collect()
 }
 

@@ -20,8 +20,9 @@ use crate::jobs::Core;
 use crate::jobs::describe::{description, options, status};
 use crate::jobs::filter::{Filter, States};
 use crate::jobs::operator_wait::status_now;
+use crate::jobs::progress;
 use crate::jobs::suspicion::LoneSuspect;
-use crate::ledger::record::Record;
+use crate::ledger::record::{Record, State};
 use crate::ledger::{NewJob, PAGE_BYTES, Query};
 use crate::log::reader::Reader;
 use crate::memory::Taken;
@@ -110,6 +111,10 @@ impl Service for Jobs {
                 files: work.files.into_iter().map(file).collect(),
                 options: Some(options),
                 pinned_machine,
+            let progress = core.live(&id).filter(|live| live.state() == State::Running).map(|live| {
+                let position = live.tail().position().last_seq;
+                progress::now(&core, &live, position)
+            });
                 status: Some(status),
                 description,
             };
@@ -120,6 +125,7 @@ impl Service for Jobs {
     }
 
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
+                progress,
         let (caller, request) = enter(request)?;
         let tenant = caller.tenant().to_owned();
         page_token(&request.page_token)?;

@@ -19,7 +19,7 @@ use tonic::Status;
 
 use super::blocking;
 use crate::jobs::Core;
-use crate::jobs::describe::{state, status};
+use crate::jobs::describe::status;
 use crate::jobs::live::Live;
 use crate::jobs::progress;
 use crate::jobs::streams::Listed;
@@ -263,15 +263,7 @@ impl Watch {
             return Ok(());
         }
         self.looked_at = Instant::now();
-        let progress = v1::Progress {
-            state: state(self.live.state()).into(),
-            position: self.cursor,
-            channels: self.live.run().map(|run| progress::channels(&run)).unwrap_or_default(),
-            queued_before: self.core.queued_before(&self.live.id) as u32,
-            cancel_requested: self.live.peek(|record| record.cancel && !record.state.ended()),
-            operator_wait: self.live.operator_wait(),
-            paused: self.live.peek(|record| record.paused && !record.state.ended()),
-        };
+        let progress = progress::now(&self.core, &self.live, self.cursor);
         if first || progress != self.last_progress || self.sent_at.elapsed() >= self.heartbeat {
             self.last_progress = progress.clone();
             self.sent_at = Instant::now();

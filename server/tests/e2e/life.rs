@@ -272,3 +272,25 @@ async fn results_are_the_same_stored_kept_and_made_again() {
     assert!(events(&server, &job).await == log);
     server.stop().await;
 }
+
+/// Only a running job has progress; its status says as much as a watch.
+#[tokio::test]
+async fn the_status_of_a_running_job_has_its_progress() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("runs", "EVENTS 30\nHANG").await;
+    let get = async || {
+        let request = v1::GetJobRequest { job_id: job.clone() };
+        server.jobs().get_job(request).await.unwrap().into_inner().progress
+    };
+    server.until_events(&job, 30).await;
+    let progress = get().await.expect("it runs");
+    assert_eq!((progress.position, progress.channels.len()), (30, 2), "{progress:?}");
+    let mut watch = server.watch(&job, 30, v1::WatchLevel::Progress).await;
+    let content = watch.message().await.unwrap().unwrap().content;
+    assert_eq!(content, Some(v1::watch_job_response::Content::Progress(progress)));
+    server.script.hang.store(false, Ordering::SeqCst);
+    server.wait(&job).await;
+    assert_eq!(get().await, None);
+    server.stop().await;
+}
