@@ -50,6 +50,9 @@ pub enum Refusal {
     /// Blobs must be uploaded first.
     #[error("{} blobs are missing, the first is {}", .0.len(), .0.first().map_or("", String::as_str))]
     MissingBlobs(Vec<String>),
+    /// Files of a job that is to run again are lost: path and digest of each.
+    #[error("the server no longer has {}: submit the programs again", names(.0))]
+    LostFiles(Vec<(String, String)>),
     /// The content does not have the digest it was announced with.
     #[error("the content has digest {actual}, announced was {announced}")]
     DigestMismatch {
@@ -248,7 +251,7 @@ impl Refusal {
             Self::UnknownChannel(_) => ("UNKNOWN_CHANNEL", Code::NotFound),
             Self::UnknownFile(_) => ("UNKNOWN_FILE", Code::NotFound),
             Self::UnknownBlob(_) => ("UNKNOWN_BLOB", Code::NotFound),
-            Self::MissingBlobs(_) => ("MISSING_BLOBS", Code::FailedPrecondition),
+            Self::MissingBlobs(_) | Self::LostFiles(_) => ("MISSING_BLOBS", Code::FailedPrecondition),
             Self::DigestMismatch { .. } => ("DIGEST_MISMATCH", Code::InvalidArgument),
             Self::BlobTooLarge(_) => ("BLOB_TOO_LARGE", Code::InvalidArgument),
             Self::MachineInvalid(_) => ("MACHINE_INVALID", Code::InvalidArgument),
@@ -295,11 +298,25 @@ impl Refusal {
             Self::Quota { quota, limit, .. } => {
                 HashMap::from([("quota".to_owned(), (*quota).to_owned()), ("limit".to_owned(), limit.to_string())])
             }
-            Self::MissingBlobs(digests) => {
-                pair("digests", digests.iter().take(16).cloned().collect::<Vec<_>>().join(","))
-            }
+            Self::MissingBlobs(digests) => pair("digests", list(digests.iter())),
+            Self::LostFiles(files) => pair("digests", list(files.iter().map(|(_, digest)| digest))),
             _ => HashMap::new(),
         }
+    }
+}
+
+/// The first digests of a list.
+fn list<'d>(digests: impl Iterator<Item = &'d String>) -> String {
+    digests.take(16).map(String::as_str).collect::<Vec<_>>().join(",")
+}
+
+/// The first files of a list, in quotes, and the number of the others.
+fn names(files: &[(String, String)]) -> String {
+    const NAMED: usize = 5;
+    let named: Vec<String> = files.iter().take(NAMED).map(|(path, _)| format!("'{path}'")).collect();
+    match files.len().saturating_sub(NAMED) {
+        0 => named.join(", "),
+        more => format!("{} and {more} more files of the job", named.join(", ")),
     }
 }
 

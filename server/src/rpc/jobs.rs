@@ -61,6 +61,14 @@ async fn submitted(
     to_the_end(caller, submit).await
 }
 
+/// Names the missing files of a job that is to run again: its client knows their paths, not their digests.
+fn by_path(refusal: Refusal, files: &[(String, String)]) -> Refusal {
+    let Refusal::MissingBlobs(digests) = refusal else { return refusal };
+    let lost: Vec<_> = files.iter().filter(|(_, digest)| digests.contains(digest)).cloned().collect();
+    // Else a file of the machine is missing.
+    if lost.is_empty() { Refusal::MissingBlobs(digests) } else { Refusal::LostFiles(lost) }
+}
+
 /// A stream without compression, as almost every client says that it accepts gzip: to compress the events of a job
 /// takes more processor time than to send them, and small frames count as a flood.
 fn plain<T>(receive: mpsc::Receiver<T>) -> Response<ReceiverStream<T>> {
@@ -103,6 +111,10 @@ impl Service for Jobs {
                     reader.map(|reader| reader.description().clone())
                 }
             };
+            let progress = core.live(&id).filter(|live| live.state() == State::Running).map(|live| {
+                let position = live.tail().position().last_seq;
+                progress::now(&core, &live, position)
+            });
             let (options, pinned_machine) = (options(&record, &work), record.machine.full_name());
             let file = |(path, digest): (String, String)| v1::FileRef { path, digest };
             let mut status = status_now(&core, record);
@@ -111,12 +123,9 @@ impl Service for Jobs {
                 files: work.files.into_iter().map(file).collect(),
                 options: Some(options),
                 pinned_machine,
-            let progress = core.live(&id).filter(|live| live.state() == State::Running).map(|live| {
-                let position = live.tail().position().last_seq;
-                progress::now(&core, &live, position)
-            });
                 status: Some(status),
                 description,
+                progress,
             };
             let taken = core.memory().take_for_answer(ANSWER_COPIES * answer.encoded_len() as u64)?;
             Ok(counted(answer, taken))
@@ -125,7 +134,6 @@ impl Service for Jobs {
     }
 
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
-                progress,
         let (caller, request) = enter(request)?;
         let tenant = caller.tenant().to_owned();
         page_token(&request.page_token)?;
@@ -261,7 +269,9 @@ impl Service for Jobs {
         let bytes = SUBMIT_COPIES * earlier.bytes();
         let taken = submit::memory(&core, caller.tenant(), &request.request_id, bytes).await?;
         let job = blocking(move || submit::rerun(&core, earlier, request)).await?;
-        let (record, duplicate) = submitted(&self.0, &caller, job, taken).await?;
+        let files = job.work.files.clone();
+        let done = submitted(&self.0, &caller, job, taken).await;
+        let (record, duplicate) = done.map_err(|refusal| by_path(refusal, &files))?;
         Ok(Response::new(v1::RerunJobResponse { status: Some(status(*record)), duplicate }))
     }
 

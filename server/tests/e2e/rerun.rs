@@ -117,3 +117,18 @@ async fn other_maxima_of_the_server_do_not_make_a_request_another_one() {
     assert_eq!((limits.blocks, limits.nesting, limits.memory), (9, 3, 1 << 20));
     server.stop().await;
 }
+
+/// The client knows the names of its files, and has them.
+#[tokio::test]
+async fn a_rerun_whose_files_are_lost_names_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("first", "EVENTS 5").await;
+    server.wait(&job).await;
+    let name = digest(b"EVENTS 5");
+    std::fs::remove_file(folder.path().join("blobs").join(&name[..2]).join(&name)).unwrap();
+    let refused = server.jobs().rerun_job(rerun(&job, "second")).await.unwrap_err();
+    assert_eq!((reason(&refused).as_str(), refused.code()), ("MISSING_BLOBS", Code::FailedPrecondition));
+    assert_eq!(refused.message(), "the server no longer has 'main.nc': submit the programs again");
+    server.stop().await;
+}
