@@ -87,8 +87,13 @@ impl Steps {
         }
     }
 
+    /// Shows that this file is being written.
     pub(crate) fn show(&mut self, file: &Path) {
-        let text = format!("writing {}", file.display());
+        self.say(format!("writing {}", file.display()));
+    }
+
+    /// Shows what is done now.
+    pub(crate) fn say(&mut self, text: String) {
         match self {
             Self::Quiet => {}
             Self::Plain { said } => {

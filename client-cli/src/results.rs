@@ -1,7 +1,11 @@
 //! Reads results: to memory, a file or standard output.
 
 use std::fmt::Write as _;
+use std::future::Future;
+use std::io::IsTerminal as _;
 use std::path::{Component, Path};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use counterpoint_client::{Document, Drawing};
 use counterpoint_proto::v1;
@@ -10,6 +14,10 @@ use crate::arguments::{Format, ResultKind};
 use crate::client::Client;
 use crate::draft::Draft;
 use crate::error::Error;
+use crate::progress::Steps;
+
+/// Time between two looks at a result that is being read.
+const SHOW_EVERY: Duration = Duration::from_secs(1);
 
 /// Form of a result, as far as it has several.
 #[derive(Debug, Clone, Copy)]
@@ -116,6 +124,29 @@ pub(crate) async fn whole(
     Ok(whole)
 }
 
+/// The step of a result that is being read.
+fn step(path: &Path, received: u64) -> String {
+    let path = path.display();
+    match received / 1_000_000 {
+        0 => format!("reading {path}"),
+        megabytes => format!("reading {path}: {megabytes} MB"),
+    }
+}
+
+/// Shows the step of some work on a terminal until the work is done.
+async fn in_steps<T>(every: Duration, work: impl Future<Output = T>, step: impl Fn() -> String) -> T {
+    let mut work = std::pin::pin!(work);
+    let mut steps = Steps::new(!std::io::stderr().is_terminal());
+    let done = loop {
+        match tokio::time::timeout(every, &mut work).await {
+            Ok(done) => break done,
+            Err(_) => steps.say(step()),
+        }
+    };
+    steps.clear();
+    done
+}
+
 /// A result into a file.
 pub(crate) async fn file(
     client: &Client,
@@ -129,6 +160,39 @@ pub(crate) async fn file(
         return files(client, job, path).await;
     }
     let mut draft = Draft::new(path)?;
-    each(client, job, what, channel, form, &mut |data| draft.write(data)).await?;
+    let received = AtomicU64::new(0);
+    let mut put = |data: &[u8]| {
+        received.fetch_add(data.len() as u64, Ordering::Relaxed);
+        draft.write(data)
+    };
+    let reading = each(client, job, what, channel, form, &mut put);
+    in_steps(SHOW_EVERY, reading, || step(path, received.load(Ordering::Relaxed))).await?;
     draft.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_has_the_bytes_so_far() {
+        let path = Path::new("part.lce");
+        assert_eq!(step(path, 999_999), "reading part.lce");
+        assert_eq!(step(path, 12_345_678), "reading part.lce: 12 MB");
+    }
+
+    #[tokio::test]
+    async fn the_steps_of_work_that_takes_long_are_shown() {
+        let work = async {
+            tokio::time::sleep(Duration::from_millis(200)).await;
+            7
+        };
+        let shown = std::cell::Cell::new(0);
+        let step = || {
+            shown.set(shown.get() + 1);
+            String::new()
+        };
+        assert_eq!(in_steps(Duration::from_millis(20), work, step).await, 7);
+        assert!(shown.get() > 0);
+    }
 }

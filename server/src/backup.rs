@@ -19,6 +19,7 @@ use crate::local::folder_lock::FolderLock;
 use crate::local::ledger::checkup::{Checkup, copy_ledger};
 use crate::local::owner::Owner;
 use crate::local::store::{Store, keep_private};
+use crate::output::step;
 use crate::reason::Refusal;
 use crate::results::Document;
 
@@ -151,6 +152,7 @@ fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
         if asked.elapsed() > patience {
             break "the server that uses the folder does not answer: check its log, then run the backup again";
         }
+        step(format_args!("waiting for the copy of the ledger by the server that uses the folder"));
         std::thread::sleep(LOOK);
     };
     [request, copy, ready].iter().for_each(|file| drop(fs::remove_file(file)));
@@ -270,6 +272,7 @@ fn copy_folder(from: &Path, to: &Path, owner: Owner) -> io::Result<()> {
 /// Copies a file and makes it durable.
 fn copy_file(from: &Path, to: &Path, owner: Owner) -> io::Result<()> {
     let mut source = File::open(from)?;
+    step(format_args!("copying '{}'", from.display()));
     let mut target = File::create(to)?;
     owner.give(&target)?;
     io::copy(&mut source, &mut target)?;

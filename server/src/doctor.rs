@@ -19,6 +19,7 @@ use crate::local::named::{Named as _, is_of_host};
 use crate::local::store::Store;
 use crate::log::kept::Kept;
 use crate::log::reader::{Events, Reader};
+use crate::output::step;
 use crate::reason::Refusal;
 use crate::results::Document;
 
@@ -102,6 +103,7 @@ impl Doctor {
 
     fn folder(&mut self) -> Result<(), Refusal> {
         let ledger = self.store.ledger();
+        step(format_args!("reading '{}'", ledger.display()));
         let opened = not_lost(&self.store).and_then(|()| {
             self.pages()?;
             let opened = Checkup::open(&self.store, self.repair);
@@ -123,7 +125,8 @@ impl Doctor {
         if self.repair {
             checkup.repair(&rows, &self.store)?;
         }
-        for record in &rows.jobs {
+        for (number, record) in rows.jobs.iter().enumerate() {
+            step(format_args!("reading the log of job {} of {}", number + 1, rows.jobs.len()));
             self.job(&checkup, record)?;
         }
         self.folders(&rows)?;
@@ -285,6 +288,7 @@ impl Doctor {
     fn blobs_of(&mut self, tenant: &str, damaged: &mut BTreeSet<(String, String)>) -> Result<(), Refusal> {
         let blobs = self.blobs.of_tenant(tenant);
         for first in 0..=255u8 {
+            step(format_args!("reading the blobs of tenant '{tenant}': {} %", u32::from(first) * 100 / 256));
             for name in self.store.blobs(tenant, &format!("{first:02x}"))? {
                 let path = self.store.blob(tenant, &name);
                 let what = if is_digest(&name) {

@@ -87,6 +87,7 @@ fn write_pages(folder: Option<&Path>) -> Result<(), String> {
 /// Executes commands that need no server of their own.
 fn run(command: &Command, options: &Options) -> ExitCode {
     let data = &options.data;
+    output::show_steps();
     let done = match command {
         Command::Token(command) => command.run(&options.guard.access),
         Command::Man { folder } => write_pages(folder.as_deref()),
