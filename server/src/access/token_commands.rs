@@ -14,6 +14,11 @@ use crate::output;
 const SHOWN: usize = 12;
 const FEWEST: usize = 8;
 const DAY_S: u64 = 86_400;
+/// Most days until a token expires.
+const MOST_DAYS: u64 = 36_500;
+/// Use of a row that the command could not add to a file.
+const ROW: &str = "no file of identities is configured: add the row to one, and name it with --access or in the \
+     configuration (access)";
 /// How a change takes effect.
 const RELOAD: &str = "a running server reads the file on SIGHUP (systemctl reload counterpointd)";
 
@@ -33,8 +38,8 @@ pub enum TokenCommand {
         /// Name of the caller in the audit log
         #[arg(long, default_value = "token")]
         name: String,
-        /// Days until the token expires [default: never]
-        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+        /// Days until the token expires, at most 36500 [default: never]
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_DAYS))]
         days: Option<u64>,
         /// File of identities [default: the file named in the configuration]
         #[arg(long, value_name = "FILE.toml")]
@@ -69,6 +74,7 @@ impl TokenCommand {
                 let (token, row) = token::create(name, tenant, *role, expires_s)?;
                 let access = access.as_deref().unwrap_or(configured);
                 if access.as_os_str().is_empty() {
+                    output::remark(format_args!("{ROW}"));
                     return output::line(format_args!("{token}\n\n{row}"));
                 }
                 let same = edit::rows(access).map_or(0, |rows| rows.iter().filter(|row| row.name == *name).count());

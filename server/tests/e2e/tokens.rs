@@ -36,9 +36,11 @@ async fn a_token_is_made_listed_and_revoked_and_the_server_follows_when_it_reads
     server.handle.reload();
     caller.jobs().list_jobs(list()).await.unwrap();
 
-    let (code, out, refusal) = token(&access, &["new", "--tenant", "t", "--role", "read", "--days", "0"]);
-    assert_eq!((code, out.as_str()), (Some(2), ""), "a token that has expired is of no use");
-    assert!(refusal.contains("--days"), "{refusal}");
+    for days in ["0", "36501", "18446744073709551615"] {
+        let (code, out, refusal) = token(&access, &["new", "--tenant", "t", "--role", "read", "--days", days]);
+        assert_eq!((code, out.as_str()), (Some(2), ""), "a token of {days} days is of no use");
+        assert!(refusal.contains("--days"), "{refusal}");
+    }
 
     let (code, listed, _) = token(&access, &["list"]);
     assert_eq!((code, listed.lines().count()), (Some(0), 1));
@@ -101,4 +103,14 @@ async fn a_call_with_two_tokens_is_refused() {
         assert!(refused.message().contains("more than one 'authorization'"), "{refused:?}");
     }
     server.stop().await;
+}
+
+/// Without a file of identities the command says where the printed row goes.
+#[test]
+fn the_row_of_a_token_without_a_file_names_its_place() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    let output = command.args(["token", "new", "--tenant", "t", "--role", "read"]).output().unwrap();
+    let (made, hint) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert!(output.status.success() && made.contains("sha256"), "{made}");
+    assert!(hint.contains("add the row to one, and name it with --access"), "{hint}");
 }
