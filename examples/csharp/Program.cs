@@ -96,7 +96,7 @@ async Task<int> Run()
     var job = (await jobs.SubmitJobAsync(request, headers)).Status.JobId;
     Console.Error.WriteLine($"job {job}");
     var status = await Follow(job);
-    Console.WriteLine($"{status.State} after {status.MakespanNs / 1e9:F3} s of machine time");
+    Console.WriteLine($"{status.State} after {(status.MakespanNs + 500_000) / 1_000_000 / 1e3:F3} s of machine time");
     if (status.Error != "")
     {
         Console.Error.WriteLine(status.Error);

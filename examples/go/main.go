@@ -139,7 +139,7 @@ func (c *client) run(machine string, programs []string, values settings, listing
 		return 0, err
 	}
 	fmt.Printf("%s after %.3f s of machine time\n",
-		strings.TrimPrefix(ended.State.String(), "JOB_STATE_"), float64(ended.MakespanNs)/1e9)
+		strings.TrimPrefix(ended.State.String(), "JOB_STATE_"), float64((ended.MakespanNs+500_000)/1_000_000)/1e3)
 	if ended.Error != "" {
 		return 0, errors.New(ended.Error)
 	}

@@ -260,7 +260,7 @@ async function main() {
     const attended = attend(server, job, values);
     const ended = await watch(server, job);
     attended.end();
-    console.log(`${ended.state.replace("JOB_STATE_", "")} after ${(ended.makespanNs / 1e9).toFixed(3)} s of machine time`);
+    console.log(`${ended.state.replace("JOB_STATE_", "")} after ${(Math.round(ended.makespanNs / 1e6) / 1e3).toFixed(3)} s of machine time`);
     if (ended.error) {
       throw new Error(ended.error);
     }

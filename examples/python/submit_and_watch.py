@@ -59,7 +59,7 @@ def run() -> int:
         if first_error(status):
             print(f"first error: {first_error(status)}", file=sys.stderr)
         summary = client.summary(job)
-        print(f"{summary['state']} after {summary['makespan_ns'] / 1e9:.3f} s of machine time")
+        print(f"{summary['state']} after {(summary['makespan_ns'] + 500_000) // 1_000_000 / 1e3:.3f} s of machine time")
         if arguments.timeline:
             arguments.timeline.write_text(draw(client.timeline(job)))
     return 0 if summary["state"] == "SUCCEEDED" else 1

@@ -38,7 +38,7 @@ async function run() {
     event: ({ channel, line, kind }) =>
       kind.case === "diagnostic" && print(`channel ${channel} line ${line}: ${kind.value.number} ${kind.value.text}`),
   });
-  print(`${JobState[ended.state]} after ${Number(ended.makespanNs) / 1e9} s of machine time ${ended.error}`);
+  print(`${JobState[ended.state]} after ${Math.round(Number(ended.makespanNs) / 1e6) / 1e3} s of machine time ${ended.error}`);
   print(firstError(ended));
   part("listing").textContent = ended.error ? "" : await listing(server, job);
 }

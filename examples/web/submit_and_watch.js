@@ -39,7 +39,7 @@ async function main() {
       kind.case === "diagnostic" && console.log(`channel ${channel} line ${line}: ${kind.value.number} ${kind.value.text}`),
   });
   await attended;
-  console.log(`${JobState[ended.state]} after ${(Number(ended.makespanNs) / 1e9).toFixed(3)} s of machine time`);
+  console.log(`${JobState[ended.state]} after ${(Math.round(Number(ended.makespanNs) / 1e6) / 1e3).toFixed(3)} s of machine time`);
   if (ended.error) {
     throw new Error(ended.error);
   }
