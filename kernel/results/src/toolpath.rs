@@ -20,6 +20,8 @@
 mod chords;
 mod face;
 mod json;
+#[cfg(test)]
+mod picture_tests;
 pub mod store;
 mod svg;
 #[cfg(test)]

@@ -98,7 +98,7 @@ fn scale<'a>(sights: impl Iterator<Item = &'a (Sight, Bounds)> + Clone, height: 
 
 /// All channels in one frame.
 fn strokes(toolpath: &Toolpath, frame: &Frame, palette: &Palette) -> String {
-    let mut out = String::new();
+    let (mut out, mut marks) = (String::new(), String::new());
     for (index, channel) in toolpath.channels.iter().enumerate() {
         let (path, frame) = match (frame.sight.source, &channel.face) {
             (Source::Path, _) => (&channel.path, frame.of(channel.lower)),
@@ -133,10 +133,11 @@ fn strokes(toolpath: &Toolpath, frame: &Frame, palette: &Palette) -> String {
             holes::draw(&mut out, (toolpath, channel), path, &frame, |tool| palette.color(index, tool));
         }
         if let (Some(stop), Source::Path) = (&channel.stop, frame.sight.source) {
-            stops::draw(&mut out, channel, stop, path, &frame);
+            stops::draw(&mut marks, channel, stop, path, &frame);
         }
     }
-    out
+    // Above the paths of all channels.
+    out + &marks
 }
 
 /// Where a piece comes from: `UPPER T3, part.nc line 12: G1 X34.`.

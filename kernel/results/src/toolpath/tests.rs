@@ -20,11 +20,11 @@ fn block(info: &Arc<Info>, motions: &[Motion]) -> Toolpath {
     builder.finish(&outcome(1)).toolpath
 }
 
-fn toolpath(info: &Arc<Info>, motions: &[Motion]) -> Toolpath {
+pub(super) fn toolpath(info: &Arc<Info>, motions: &[Motion]) -> Toolpath {
     of(info, motions.iter().copied())
 }
 
-fn arc(kind: MotionKind, from: &[f64], to: &[f64], plane_axes: [u8; 2], center: [f64; 2]) -> Motion {
+pub(super) fn arc(kind: MotionKind, from: &[f64], to: &[f64], plane_axes: [u8; 2], center: [f64; 2]) -> Motion {
     Motion { center, plane_axes, ..motion(kind, from, to) }
 }
 
@@ -284,7 +284,7 @@ fn a_long_path_has_a_bounded_number_of_pieces() {
 }
 
 /// The pieces of a view, by the number of the view.
-fn view_of(svg: &str, index: usize) -> &str {
+pub(super) fn view_of(svg: &str, index: usize) -> &str {
     svg.split(&format!("url(#view{index})")).nth(1).unwrap_or_default()
 }
 

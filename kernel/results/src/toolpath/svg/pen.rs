@@ -15,6 +15,9 @@ use crate::toolpath::store::Curve;
 /// Radii beyond this are drawn as chords: renderers lose precision.
 const LARGEST: f64 = 20_000.0;
 
+/// Most chords of one arc.
+const MOST_CHORDS: f64 = 10_000.0;
+
 pub(super) struct Pen {
     d: String,
     coarseness: f64,
@@ -96,8 +99,9 @@ impl Pen {
             return self.line(frame.pixel(to));
         }
         if !seen || radius > LARGEST {
-            let turn = (8.0 / radius.max(1.0)).sqrt().clamp(0.01, 0.4);
-            let parts = (curve.angle.abs() / turn).ceil().clamp(1.0, 2000.0);
+            // A chord is half the coarseness off the circle at most; points on a line with others are left out.
+            let turn = (4.0 * self.coarseness / radius.max(1.0)).sqrt().clamp(0.005, 0.4);
+            let parts = (curve.angle.abs() / turn).ceil().clamp(1.0, MOST_CHORDS);
             (1..parts as u32).for_each(|n| self.line(frame.pixel(&curve.at(f64::from(n) / parts, from, to))));
             return self.line(frame.pixel(to));
         }

@@ -34,7 +34,8 @@ fn phrase(stop: &StopPlace) -> String {
     if stop.line == 0 { what.to_owned() } else { format!("{what} at {} line {}", stop.file, stop.line) }
 }
 
-/// A cross at the end of the path.
+/// A cross at the end of the path. The ground of its label is a text of its own below it: a renderer that does not know
+/// `paint-order` would draw the outline over the letters.
 pub(super) fn draw(out: &mut String, channel: &Channel, stop: &StopPlace, path: &Path, frame: &Frame) {
     let Some(last) = path.moves.last() else { return };
     let [x, y] = frame.pixel_inside(&last.to(), SIZE);
@@ -47,7 +48,10 @@ pub(super) fn draw(out: &mut String, channel: &Channel, stop: &StopPlace, path: 
         w = SIZE * 2.0
     );
     let (anchor, beside) = if frame.is_right_half(x) { ("end", -SIZE - 4.0) } else { ("start", SIZE + 4.0) };
-    let _ = writeln!(out, r##"<g stroke="#ffffff" stroke-width="4" paint-order="stroke">"##);
-    text(out, (x + beside, y + 4.0), 12, anchor, RED, &phrase(stop));
+    let (at, label) = ((x + beside, y + 4.0), phrase(stop));
+    let ground = r##"<g stroke="#ffffff" stroke-width="4" stroke-linejoin="round" aria-hidden="true">"##;
+    let _ = writeln!(out, "{ground}");
+    text(out, at, 12, anchor, "#ffffff", &label);
     out.push_str("</g>\n");
+    text(out, at, 12, anchor, RED, &label);
 }
