@@ -1,25 +1,35 @@
 //! Data of the part that a divided file carries: values of common variables that hold when its programs begin.
 //!
 //! Facts: reference channel-synchronisation.md 1.6 (`$0`). Decision: lines `#814=0000002500` of sections `$0`; a value
-//! without a decimal point counts least increments, 0.001 mm or 0.0001 inch. *Invariant:* only variables that all
-//! channels share; of several values of one variable the last one holds.
+//! without a decimal point counts least increments, 0.001 mm or 0.0001 inch, of the unit in which the machine begins: no
+//! program has selected another one by then. *Invariant:* only variables that all channels share; of several values of
+//! one variable the last one holds.
 
 use counterpoint_event::Unit;
+use counterpoint_machine::ident::codes;
 use counterpoint_machine::model::Machine;
 
 use super::source::Source;
 
-/// Common variables and their values, as the sections `$0` of a file give them.
-pub fn of<'s>(machine: &'s Machine, source: &'s Source) -> impl Iterator<Item = (u32, f64)> + 's {
-    let step = match machine.unit {
-        Unit::Mm => 1000.0,
-        Unit::Inch => 10_000.0,
-    };
+/// Common variables and their values, as the sections `$0` of a file give them. `begins` is the definition with which
+/// the channels of the file begin.
+pub fn of<'s>(
+    machine: &'s Machine,
+    begins: &Machine,
+    source: &'s Source,
+) -> impl Iterator<Item = (u32, f64)> + use<'s> {
+    let step = if begins_in_inches(begins) { 10_000.0 } else { 1000.0 };
     let data = source.sections().iter().filter(|section| section.channel == 0);
     let lines = data.flat_map(|section| source.walk(section.lines.0, section.lines.1));
     let is_shared =
         |number: u32| machine.variables.shared.iter().any(|(first, last)| (*first..=*last).contains(&number));
     lines.filter_map(move |line| preset(source.line(line), step)).filter(move |(number, _)| is_shared(*number))
+}
+
+/// Whether programs of a machine begin in inches, by its unit and its start state.
+fn begins_in_inches(machine: &Machine) -> bool {
+    let is_secondary = |id: &_| matches!(*id, codes::UNITS_SECONDARY | codes::UNITS_SECONDARY_LENGTHS);
+    (machine.unit == Unit::Inch) != machine.initial.iter().any(is_secondary)
 }
 
 /// The variable of a line and its value.

@@ -77,12 +77,17 @@ fn kept_by_machine(machine: &Machine) -> impl Iterator<Item = (u32, f64)> {
 /// Values of common variables that the programs of the job bring with them.
 fn presets(job: &Job) -> impl Iterator<Item = (u32, f64)> {
     let machine = &*job.spec().machine;
-    let reader = |channel: u16| machine.reader_for(machine.of_channel(channel).preprocessor);
-    let programs = job.info().channels.iter().filter(|c| !c.program.is_empty());
-    let mut files: Vec<(FileId, usize)> = programs.map(|c| (c.file, reader(c.number))).collect();
-    files.dedup();
-    let sources = files.into_iter().filter_map(|(file, reader)| job.sources().read_by(reader, file));
-    sources.flat_map(|source| presets::of(machine, source))
+    let programs = job.info().channels.iter().filter(|channel| !channel.program.is_empty());
+    let mut files: Vec<(FileId, usize, &Machine)> = programs
+        .map(|channel| {
+            let begins = machine.of_channel(channel.number);
+            (channel.file, machine.reader_for(begins.preprocessor), begins)
+        })
+        .collect();
+    files.dedup_by_key(|(file, reader, _)| (*file, *reader));
+    let sources =
+        files.into_iter().filter_map(|(file, reader, begins)| Some((job.sources().read_by(reader, file)?, begins)));
+    sources.flat_map(|(source, begins)| presets::of(machine, begins, source))
 }
 
 impl<'a> Assembly<'a> {
