@@ -14,6 +14,7 @@ mod connections;
 mod cpu;
 pub mod doctor;
 mod drain;
+pub mod environment;
 mod host;
 mod jobs;
 mod ledger;

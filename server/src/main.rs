@@ -12,7 +12,7 @@ use counterpoint_server::doctor;
 use counterpoint_server::notify::Manager;
 use counterpoint_server::options::{Flags, Options, any_path};
 use counterpoint_server::output;
-use counterpoint_server::{logging, man, service, start_threads};
+use counterpoint_server::{environment, logging, man, service, start_threads};
 
 /// The Counterpoint server: runs NC programs as the control would
 #[derive(Debug, Parser)]
@@ -141,7 +141,7 @@ fn examine(folder: &Path, repair: bool) -> ExitCode {
 const IDLE_THREAD: Duration = Duration::from_millis(100);
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = environment::parse();
     if arguments.print_config && arguments.command.is_some() {
         let text = "--print-config cannot be combined with a command";
         Arguments::command().error(ErrorKind::ArgumentConflict, text).exit();

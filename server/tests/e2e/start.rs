@@ -226,6 +226,37 @@ fn an_empty_path_means_the_same_in_the_environment_and_in_the_file() {
     assert_eq!((code, printed), (Some(0), outcome(&["--print-config"], &[]).1), "{text}");
 }
 
+/// A unit or a Compose file that passes on an unset variable must not switch identities or the audit log off.
+#[test]
+fn an_empty_variable_does_not_override_the_file_and_only_a_flag_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = folder.path().join("c.toml");
+    let set = "access = \"a.toml\"\naudit = \"a.jsonl\"\nqueue = 7\nlog_format = \"json\"\ninsecure = true\n";
+    std::fs::write(&config, set).unwrap();
+    let print = ["--print-config", "--config", config.to_str().unwrap()];
+    let (_, printed, _) = outcome(&print, &[]);
+    assert!(printed.contains("\naccess = \"a.toml\"\n") && printed.contains("\ninsecure = true\n"), "{printed}");
+    let names =
+        printed.lines().filter_map(|line| line.split_once(" = ")).filter(|(name, _)| !name.contains(['#', ' ']));
+    let variables: Vec<String> = names.map(|(name, _)| format!("COUNTERPOINT_{}", name.to_uppercase())).collect();
+    assert!(variables.len() > 50, "{variables:?}");
+    let variables: Vec<(&str, &str)> = variables.iter().map(|name| (name.as_str(), "")).collect();
+    let (code, same, text) = outcome(&print, &variables);
+    assert_eq!((code, same), (Some(0), printed), "{text}");
+    let (code, printed, text) = outcome(&[&print[..], &["--access", ""]].concat(), &variables);
+    assert!(code == Some(0) && printed.contains("\naccess = \"\"\n"), "{printed}{text}");
+}
+
+#[test]
+fn a_wrong_value_names_the_variable_that_has_it() {
+    for (variable, flag) in [("COUNTERPOINT_QUEUE", "--queue"), ("COUNTERPOINT_LOG_FORMAT", "--log-format")] {
+        let (code, _, text) = outcome(&["--print-config"], &[(variable, "many")]);
+        assert!(code == Some(2) && text.contains("'many'") && text.contains(variable) && text.contains(flag), "{text}");
+        let (code, _, text) = outcome(&["--print-config", flag, "many"], &[(variable, "few")]);
+        assert!(code == Some(2) && text.contains("'many'") && !text.contains(variable), "{text}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_data_folder_that_cannot_exist_and_a_pipe_as_a_file_of_identities_are_refused() {
