@@ -126,6 +126,8 @@ async fn changes_of_many_jobs_come_with_one_cursor_and_resume_at_it() {
     let request = v1::WatchJobsRequest { after: cursor, ..Default::default() };
     let refused = server.jobs().watch_jobs(request).await.unwrap_err();
     assert_eq!((refused.code(), reason(&refused).as_str()), (Code::OutOfRange, "CURSOR_TOO_OLD"));
+    let order = "watch without a cursor, wait for the first message, and then list the jobs";
+    assert!(refused.message().contains(order), "docs/api.md: {}", refused.message());
     let oldest = refused.get_error_details().error_info().unwrap().metadata["oldest"].parse::<u64>().unwrap();
     assert!(oldest > cursor, "cursors ascend over restarts");
     let request = v1::WatchJobsRequest { after: oldest, ..Default::default() };
