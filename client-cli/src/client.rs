@@ -42,6 +42,15 @@ pub(crate) struct Submitted {
     pub(crate) job: String,
     /// Whether an earlier call with the same request id created the job.
     pub(crate) duplicate: bool,
+    /// The machine and its signs, if the server guessed it.
+    pub(crate) guess: Option<(String, String)>,
+}
+
+impl Submitted {
+    pub(crate) fn of(status: v1::JobStatus, duplicate: bool) -> Self {
+        let v1::JobStatus { job_id: job, machine, machine_guess, .. } = status;
+        Self { job, duplicate, guess: Some((machine, machine_guess)).filter(|(_, signs)| !signs.is_empty()) }
+    }
 }
 
 /// Reports that this client retries its calls.
@@ -139,7 +148,7 @@ impl Client {
     /// Submits a job.
     pub(crate) async fn submit(&self, request: v1::SubmitJobRequest) -> Result<Submitted, Error> {
         let (status, duplicate) = self.server.submit_or_find(request).await?;
-        Ok(Submitted { job: status.job_id, duplicate })
+        Ok(Submitted::of(status, duplicate))
     }
 
     /// Reads a result.

@@ -11,6 +11,7 @@ use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Wai
 use crate::client::{Client, Submitted};
 use crate::error::Error;
 use crate::job_status::{awaited, json_line, labels, programs, ran_ms, simulated, state_name, waits, waits_for_client};
+use crate::say::{DIM, styled};
 use crate::text::{table, time};
 use crate::{job_names, say};
 
@@ -102,13 +103,14 @@ pub(crate) async fn rerun(arguments: Rerun) -> Result<u8, Error> {
     let v1::SubmitJobRequest { request_id, labels, priority, deadline_ms, .. } = request(&arguments.request);
     let request = v1::RerunJobRequest { job_id, request_id, labels, priority, deadline_ms };
     let v1::RerunJobResponse { status, duplicate } = client.jobs().rerun_job(request).await?.into_inner();
-    say_id(&Submitted { job: status.unwrap_or_default().job_id, duplicate }, arguments.json)?;
+    say_id(&Submitted::of(status.unwrap_or_default(), duplicate), arguments.json)?;
     Ok(0)
 }
 
 /// Prints the id of a job, and whether an earlier call with the same request id created the job.
-pub(crate) fn say_id(Submitted { job, duplicate }: &Submitted, json: bool) -> Result<(), Error> {
-    say_duplicate(*duplicate);
+pub(crate) fn say_id(submitted: &Submitted, json: bool) -> Result<(), Error> {
+    say_notes(submitted);
+    let Submitted { job, duplicate, .. } = submitted;
     let text = match (json, duplicate) {
         (true, true) => serde_json::json!({ "job": job, "duplicate": true }).to_string(),
         (true, false) => serde_json::json!({ "job": job }).to_string(),
@@ -117,10 +119,13 @@ pub(crate) fn say_id(Submitted { job, duplicate }: &Submitted, json: bool) -> Re
     say::data(format!("{text}\n").as_bytes())
 }
 
-/// Reports that an earlier call created the job.
-pub(crate) fn say_duplicate(duplicate: bool) {
-    if duplicate {
+/// Reports that an earlier call created the job, and the machine that the server guessed.
+pub(crate) fn say_notes(submitted: &Submitted) {
+    if submitted.duplicate {
         say::status_line("not submitted again: the server has accepted this request id before, for this job");
+    }
+    if let Some((machine, signs)) = &submitted.guess {
+        say::status_line(styled(DIM, format!("machine {machine}, guessed by the server from {signs}")));
     }
 }
 

@@ -14,6 +14,10 @@ use crate::error::Error;
 pub(crate) fn machine(machine: &str, embedded: bool) -> Result<(), Error> {
     let names = package::shipped_names();
     if names.iter().any(|name| name == machine) {
+    if machine.is_empty() {
+        let text = "the name of the machine is empty: give the name of a machine, or a folder with machine.toml";
+        return Err(Error::Usage(text.to_owned()));
+    }
         return Ok(());
     }
     if Path::new(machine).is_dir() || machine.contains(['/', '\\']) {
@@ -31,4 +35,22 @@ pub(crate) fn machine(machine: &str, embedded: bool) -> Result<(), Error> {
         )));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn similar_names_are_suggested_in_any_letter_case() {
+        let text = |name: &str| machine(name, true).unwrap_err().to_string();
+        assert!(text("FANUC-MILL").contains("did you mean fanuc-mill"), "{}", text("FANUC-MILL"));
+        assert!(text("fanuc-mil").contains("did you mean fanuc-mill"), "{}", text("fanuc-mil"));
+        assert!(!text("banana").contains("did you mean"), "{}", text("banana"));
+        assert_eq!(
+            text(""),
+            "the name of the machine is empty: give the name of a machine, or a folder with machine.toml"
+        );
+        assert!(machine("my-mill", false).is_ok(), "a server may have it");
+    }
 }

@@ -193,8 +193,9 @@ async fn submit_all(arguments: &mut Submit, count: &mut usize) -> Result<u8, Err
         let done = submit_next(&client, arguments, request, &program).await;
         *count += usize::from(done.is_ok());
         match done {
-            Ok(Submitted { job, duplicate }) if arguments.json => {
-                jobs::say_duplicate(duplicate);
+            Ok(submitted) if arguments.json => {
+                jobs::say_notes(&submitted);
+                let Submitted { job, duplicate, .. } = submitted;
                 let mut line = serde_json::json!({ "job": job, "program": program });
                 if let (true, Some(fields)) = (duplicate, line.as_object_mut()) {
                     fields.insert("duplicate".to_owned(), true.into());

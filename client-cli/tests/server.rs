@@ -412,6 +412,32 @@ fn the_report_of_a_job_without_a_run_gives_the_reason() {
 }
 
 #[test]
+fn an_empty_machine_is_refused_and_a_guess_of_the_server_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), Options::default());
+    let haas = program(folder.path(), "haas.nc", "%\nO00012\nT1 M06\nG187 P1\nM30\n%\n");
+    for command in [&["submit", "--machine", ""][..], &["submit", "--each", "--machine", ""]] {
+        let (code, out, talk) = server.call(&[command, &[&haas]].concat());
+        assert!(code == 2 && out.is_empty() && talk.contains("the name of the machine is empty"), "{code} {talk}");
+    }
+    let job = server.runtime.block_on(async {
+        let settings = counterpoint_client::Settings::new(&server.url);
+        let client = counterpoint_client::Client::connect(&settings).await.unwrap();
+        let blob = counterpoint_client::Blob::new(std::fs::read(&haas).unwrap());
+        client.upload(std::slice::from_ref(&blob)).await.unwrap();
+        let request = counterpoint_client::v1::SubmitJobRequest {
+            request_id: "guessed".into(),
+            programs: vec![counterpoint_client::v1::Program { path: "haas.nc".into(), ..Default::default() }],
+            files: vec![counterpoint_client::v1::FileRef { path: "haas.nc".into(), digest: blob.digest().into() }],
+            ..Default::default()
+        };
+        client.submit(request).await.unwrap().job_id
+    });
+    let (code, _, talk) = server.call(&["rerun", &job]);
+    assert!(code == 0 && talk.contains("machine haas-mill, guessed by the server from "), "{talk}");
+}
+
+#[test]
 fn a_file_that_is_too_large_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let maxima = Maxima { max_blob_bytes: 1000, ..Maxima::default() };
