@@ -145,8 +145,13 @@ impl Doctor {
         let saved = Saved::read(&self.store).map_err(|_| nothing())?;
         let (jobs, machines) = saved.counts();
         let kept = Saved::kept(&self.store);
+        let without = match saved.unreadable() {
+            0 => String::new(),
+            count => format!(" without {count} rows that cannot be read"),
+        };
         let done = format!(
-            "{jobs} jobs and {machines} rows of machines are saved into a new ledger, the damaged one is kept as '{}'",
+            "{jobs} jobs and {machines} rows of machines are saved into a new ledger{without}, the damaged one is kept \
+             as '{}'",
             kept.display()
         );
         if self.repair {

@@ -394,6 +394,37 @@ async fn rows_that_damage_has_cut_off_are_saved_and_the_folder_of_a_lost_job_is_
     }
 }
 
+/// A job is saved only if its work is whole, too.
+#[tokio::test]
+async fn the_forecast_counts_the_jobs_that_the_repair_keeps() {
+    let folder = tempfile::tempdir().unwrap();
+    folder_of_jobs(folder.path()).await;
+    let ledger = folder.path().join("ledger.redb");
+    let clean = std::fs::read(&ledger).unwrap();
+    let of_work = b"\"options\":";
+    let places = (0..clean.len() - of_work.len()).filter(|at| clean[*at..].starts_with(of_work));
+    let mut fewer = 0;
+    for at in places.step_by(3) {
+        let mut content = clean.clone();
+        content[at + 1] ^= 1;
+        std::fs::write(&ledger, &content).unwrap();
+        let (_, text) = command(folder.path(), &[]);
+        // Some places belong to nothing.
+        let Some((before, _)) = text.split_once(" jobs and ") else { continue };
+        let forecast: usize = before.rsplit(' ').next().unwrap().parse().unwrap();
+        let copy = tempfile::tempdir().unwrap();
+        crate::life::copy(folder.path(), copy.path());
+        command(copy.path(), &["--repair"]);
+        let server = Server::start(options(copy.path())).await;
+        let there = server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap().into_inner().jobs.len();
+        assert_eq!(forecast, there, "byte {at}: {text}");
+        assert_eq!(text.contains(" without "), forecast < 6, "{text}");
+        fewer += usize::from(forecast < 6);
+        server.stop().await;
+    }
+    assert!(fewer > 0, "no work was damaged");
+}
+
 /// The rows of jobs that wait are in no file: their work and requests show that they are lost.
 #[tokio::test]
 async fn a_repair_names_the_jobs_that_are_lost_or_may_have_been_deleted() {

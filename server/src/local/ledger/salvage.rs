@@ -12,13 +12,14 @@ use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableHand
 
 use super::writer::Place;
 use super::{
-    JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, equal, index, leaves, machine_bytes, retention, rows, schema, seal,
-    storage, usage, works,
+    JOB, LOG, MACHINE, REQUEST, Rows, blob_refs, equal, index, leaves, machine_bytes, parse, retention, rows, schema,
+    seal, storage, usage, works,
 };
-use crate::ledger::record::Record;
+use crate::ledger::record::{Record, Work};
 use crate::local::contained::{contained, damaged};
 use crate::local::named::{Named as _, named};
 use crate::local::store::Store;
+use crate::machines::Definition;
 use crate::reason::Refusal;
 use crate::tenant;
 
@@ -219,9 +220,26 @@ impl Saved {
         self.jobs.len() + self.works.len() + self.logs.len() + self.machines.len()
     }
 
-    /// Numbers of jobs and rows of machines.
+    /// Numbers of jobs and rows of machines that can be read. A repair removes the others from the new ledger.
     pub(crate) fn counts(&self) -> (usize, usize) {
-        (self.jobs.len(), self.machines.len())
+        let jobs = self.jobs.iter().filter(|(id, row)| self.is_job(id, row)).count();
+        let is_machine = |(key, row): &(&String, &Vec<u8>)| parse::<Definition>(MACHINE, key, row).is_ok();
+        (jobs, self.machines.iter().filter(is_machine).count())
+    }
+
+    /// Number of saved rows of jobs and machines that cannot be read, or whose work cannot.
+    pub(crate) fn unreadable(&self) -> usize {
+        let (jobs, machines) = self.counts();
+        self.jobs.len() - jobs + self.machines.len() - machines
+    }
+
+    /// Whether a row of a job and its work can be read. In early ledgers the row itself has the work.
+    fn is_job(&self, id: &str, row: &[u8]) -> bool {
+        let has_work = match self.works.get(id) {
+            Some(work) => parse::<Work>(works::WORK, id, work).is_ok(),
+            None => parse::<Work>(JOB, id, row).is_ok(),
+        };
+        has_work && parse::<Record>(JOB, id, row).is_ok()
     }
 
     /// The place of the damaged ledger beside the new one; those of earlier repairs stay.
