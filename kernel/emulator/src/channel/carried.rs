@@ -62,8 +62,19 @@ impl Kernel<'_> {
         let events = self.ports.emitter.count();
         let Self { channel, ports: _, plan: _, flow, dialect, macros, components } = self;
         let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, held: _, pace: _ } = channel;
-        let At { channel, clock, micro: _, file: _, line: _, caller: _, blocks, user_blocks, made_blocks, idle_blocks } =
-            at;
+        let At {
+            channel,
+            clock,
+            micro: _,
+            file: _,
+            line: _,
+            caller: _,
+            blocks,
+            user_blocks,
+            made_blocks,
+            idle_blocks,
+            timed: _,
+        } = at;
         let BlockText { edited: _, tape } = text;
         let Reports {
             diagnostics,

@@ -261,7 +261,12 @@ impl Kernel<'_> {
 
     /// Stops the whole job here, at a limit or because it can never continue, and reports the activity of each channel.
     pub(crate) fn limit(&mut self, reason: &str, limit: Option<Limit>) -> Halt {
-        self.stop_all(reason, limit, self.channel.at.user_place())
+        let place = match limit {
+            // Found at the start of the next block.
+            Some(Limit::SimulatedTime) => self.channel.at.timed,
+            _ => self.channel.at.user_place(),
+        };
+        self.stop_all(reason, limit, place)
     }
 
     /// The same, at a line of the loop that never ends or at the block.
@@ -271,7 +276,10 @@ impl Kernel<'_> {
         if limit.is_some() {
             self.report_polled();
         }
-        let own = self.what_it_did(reason, if limit.is_some() { ":" } else { "" });
+        let own = match limit {
+            Some(_) => self.what_it_did(reason, ":", place),
+            None => self.what_it_did(reason, "", self.channel.at.user_place()),
+        };
         let SourcePlace { file, line } = place;
         let verdict = self.shared(|order| {
             let mut sentences = vec![own];
@@ -303,8 +311,8 @@ impl Kernel<'_> {
         }
     }
 
-    fn what_it_did(&self, reason: &str, colon: &str) -> String {
-        let (pass, place) = (self.flow.pass.last(), self.channel.at.user_place());
+    fn what_it_did(&self, reason: &str, colon: &str, place: SourcePlace) -> String {
+        let pass = self.flow.pass.last();
         let name = self.channel.env.info.place_name(place.file, place.line);
         if pass.count > 1 && !self.channel.at.caller.is_some() {
             let (_, first, last) = pass.key;

@@ -394,6 +394,7 @@ fn go_on(kernel: &mut Kernel<'_>, released: (i64, u32), release: Release) {
     let (t, micro) = kernel.at_rest_after(released);
     if t > kernel.channel.at.clock {
         kernel.channel.at.idle_blocks = 0;
+        kernel.channel.at.timed = kernel.channel.at.user_place();
         kernel.macros.variables.store.idle += t - kernel.channel.at.clock;
     }
     (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);

@@ -94,6 +94,8 @@ pub struct At {
     pub(crate) made_blocks: u64,
     /// Consecutive blocks without time.
     pub(crate) idle_blocks: u64,
+    /// The innermost place in the programs of the user of the last block that took time.
+    pub(crate) timed: SourcePlace,
 }
 
 /// Where a block is.
@@ -133,6 +135,7 @@ impl At {
             self.clock = self.clock.saturating_add(ns);
             self.micro = 0;
             self.idle_blocks = 0;
+            self.timed = self.user_place();
         }
     }
 }
