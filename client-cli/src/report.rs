@@ -121,6 +121,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn deceptive_characters_in_names_are_escaped() {
+        let text = r#"{"state":"SUCCEEDED","channels":[{"channel":1,"name":"A\u200bB","program":"a\u202ecn.nc",
+            "state":"ENDED"}]}"#;
+        let report = report(&serde_json::from_str(text).unwrap(), false);
+        assert!(report.contains("1 A\\u200bB  a\\u202ecn.nc  ENDED"), "{report}");
+        assert!(!report.contains(['\u{200b}', '\u{202e}']), "{report}");
+    }
+
+    #[test]
     fn times_and_groups() {
         assert_eq!(time(61_234_567_890), "01:01.235");
         assert_eq!(time(3_661_000_000_000), "1:01:01.000");
