@@ -20,7 +20,7 @@ use crate::races::Races;
 use crate::shared::Shared;
 use crate::tag::Tag;
 use crate::wait::{Act, Finish, Set, Waiting};
-use crate::waits::{Arrival, Released, Waits};
+use crate::waits::{Arrival, Released, Short, Waits};
 
 /// Bound of a kernel that is blocked at a wait.
 pub const BLOCKED: i64 = i64::MAX - 1;
@@ -57,8 +57,8 @@ pub enum Wake {
         by: u16,
         /// Every kernel that is not done took part, so none acts before the tag.
         all: bool,
-        /// A partner of a count has ended without coming.
-        short: bool,
+        /// Why a partner of a count did not come.
+        short: Option<Short>,
     },
     /// The control raised an alarm for this wait.
     Alarm {

@@ -27,8 +27,17 @@ pub struct Released {
     pub micro: u32,
     /// The channel whose operation let them continue.
     pub by: u16,
-    /// A partner of a count has ended without coming.
-    pub short: bool,
+    /// Why a partner of a count did not come.
+    pub short: Option<Short>,
+}
+
+/// Why a partner of a count does not come to it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Short {
+    /// Its program has ended.
+    Ended,
+    /// It waits at a wait of the primitive that the rule of the count names.
+    Elsewhere,
 }
 
 /// Result of an arrival.
@@ -294,7 +303,7 @@ impl Waits {
 
     /// These channels continue after the operation at this tag.
     fn let_go(&mut self, channels: Set, tag: Tag) -> Released {
-        let short = channels.iter().any(|channel| self.is_short(channel));
+        let short = channels.iter().find_map(|channel| self.short(channel, channels));
         let after = tag.t + self.release_ns;
         for channel in channels.iter() {
             if let Some(waiting) = self.places.leave(channel) {
@@ -306,11 +315,20 @@ impl Waits {
         Released { channels, t, micro, by: tag.channel, short }
     }
 
-    /// Whether a partner of the count that a channel waits for has ended.
-    fn is_short(&self, channel: u16) -> bool {
-        let count = self.places.at(channel).map(|own| own.wait).filter(|wait| wait.primitive == Primitive::Count);
-        let ended = |partner| self.places.end(partner).is_some_and(|end| end.how == Terminal::Ended);
-        count.is_some_and(|wait| wait.need == 0 && wait.parts.without(channel).iter().any(ended))
+    /// Why a partner of the count that a channel waits for does not continue `together` with it.
+    fn short(&self, channel: u16, together: Set) -> Option<Short> {
+        let wait = self.places.at(channel).map(|own| own.wait)?;
+        if wait.primitive != Primitive::Count || wait.need != 0 {
+            return None;
+        }
+        let met_by = self.rules.met_by(&wait);
+        let is_elsewhere = |partner| self.places.at(partner).is_some_and(|own| Some(own.wait.primitive) == met_by);
+        wait.parts.without(channel).iter().filter(|&partner| !together.has(partner)).find_map(|partner| {
+            if self.places.end(partner).is_some_and(|end| end.how == Terminal::Ended) {
+                return Some(Short::Ended);
+            }
+            is_elsewhere(partner).then_some(Short::Elsewhere)
+        })
     }
 
     /// Channels that wait and can never continue: the complement of the fix-point over possible future acts.

@@ -20,6 +20,7 @@ use counterpoint_sync::order::arrive::After;
 use counterpoint_sync::order::idle::Program;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::wait::{self, Finish, Terminal, Waiting};
+use counterpoint_sync::waits::Short;
 
 impl Kernel<'_> {
     /// Selects the program of another channel, or none.
@@ -231,10 +232,10 @@ impl Kernel<'_> {
             after => (after, None),
         };
         let passed = match (&after, &wake) {
-            (After::Go { t, micro, sync_point, short: false }, _) => {
+            (After::Go { t, micro, sync_point, short: None }, _) => {
                 Some((*t, *micro, *sync_point, self.channel.at.channel))
             }
-            (_, Some(Wake::Released { tag, sync_point, by, short: false, .. })) => {
+            (_, Some(Wake::Released { tag, sync_point, by, short: None, .. })) => {
                 Some((tag.t, tag.micro, *sync_point, *by))
             }
             _ => None,
@@ -393,20 +394,25 @@ fn stand(kernel: &mut Kernel<'_>, verdict: Option<Verdict>, logged: &Logged) -> 
 fn go_on(kernel: &mut Kernel<'_>, released: (i64, u32), release: Release) {
     let (t, micro) = kernel.at_rest_after(released);
     if t > kernel.channel.at.clock {
-        kernel.channel.at.idle_blocks = 0;
         kernel.channel.at.timed = kernel.channel.at.user_place();
+        kernel.channel.at.idle_blocks = 0;
         kernel.macros.variables.store.idle += t - kernel.channel.at.clock;
     }
     (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
     kernel.emit(0, Kind::Release(release));
 }
 
-/// Reports that the programs of the channels do not come to a counted wait equally often.
-fn report_short(kernel: &mut Kernel<'_>, short: bool) {
-    if short {
-        let text = format!("no partner is left for '{}', the channel continues without waiting", kernel.block_text());
-        kernel.diagnose(&diag::COUNT_WITHOUT_PARTNER, text);
-    }
+/// Reports that a counted wait has synchronised nothing.
+fn report_short(kernel: &mut Kernel<'_>, short: Option<Short>) {
+    let Some(short) = short else { return };
+    let block = kernel.block_text();
+    let text = match short {
+        Short::Ended => format!("no partner is left for '{block}', the channel continues without waiting"),
+        Short::Elsewhere => {
+            format!("the partner of '{block}' waits at an order number, the channel continues without waiting")
+        }
+    };
+    kernel.diagnose(&diag::COUNT_WITHOUT_PARTNER, text);
 }
 
 /// Logs the act of the channel at a mark without waiting.

@@ -7,7 +7,7 @@ use super::{Order, Wake};
 use crate::tag::Tag;
 use crate::verdict;
 use crate::wait::{Act, Finish, Key, Set, Terminal, Waiting};
-use crate::waits::{Arrival, RefusedPairs};
+use crate::waits::{Arrival, RefusedPairs, Short};
 
 /// The effect of the arrival on the arriving kernel.
 pub enum After {
@@ -19,8 +19,8 @@ pub enum After {
         micro: u32,
         /// Number of the sync point.
         sync_point: u64,
-        /// A partner of a count has ended without coming.
-        short: bool,
+        /// Why a partner of a count did not come.
+        short: Option<Short>,
     },
     /// It waits, with the verdict if no wait can end any more.
     Stand(Option<Verdict>),
@@ -62,7 +62,7 @@ impl Order {
         let end = self.waits.lease(key).1.map(|moved| moved.end_ns).filter(|end| *end > tag.t);
         Ok(end.map(|t| {
             self.sync_points += 1;
-            After::Go { t, micro: 0, sync_point: self.sync_points, short: false }
+            After::Go { t, micro: 0, sync_point: self.sync_points, short: None }
         }))
     }
 

@@ -77,7 +77,7 @@ fn a_barrier_releases_all_at_the_latest_arrival() {
     assert_eq!(continue_by(&mut waits, at(1, 1, barrier)), NOBODY);
     assert_eq!(continue_by(&mut waits, at(2, 5, barrier)), NOBODY);
     assert_eq!(waits.missing(1), Missing::all(set(&[3])));
-    let released = Released { channels: Set::up_to(3), t: 7, micro: 1, by: 3, short: false };
+    let released = Released { channels: Set::up_to(3), t: 7, micro: 1, by: 3, short: None };
     assert_eq!(waits.arrive(at(3, 7, barrier)), Arrival::Released(released).into());
 }
 
@@ -86,7 +86,7 @@ fn a_release_takes_its_time() {
     let mut waits = Waits::new(Channels::new(1..=2), rule(Absent::Missed), 500);
     let barrier = wait(Primitive::Barrier, 1, &[1, 2]);
     waits.arrive(at(1, 1, barrier));
-    let released = Released { channels: Set::up_to(2), t: 503, micro: 0, by: 2, short: false };
+    let released = Released { channels: Set::up_to(2), t: 503, micro: 0, by: 2, short: None };
     assert_eq!(waits.arrive(at(2, 3, barrier)).arrival, Arrival::Released(released));
 }
 
