@@ -6,6 +6,8 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
+use crate::subprograms::after_count;
+
 /// With at most this many such files in a folder, all of them are taken.
 pub(crate) const FEW: usize = 100;
 
@@ -84,8 +86,7 @@ fn numbers(text: &[u8]) -> impl Iterator<Item = u32> {
     })
     .flat_map(|digits| {
         let value = |digits: &[u8]| std::str::from_utf8(digits).ok().and_then(|digits| digits.parse().ok());
-        let last = digits.len().checked_sub(4).filter(|&at| at > 0).and_then(|at| digits.get(at..));
-        [value(digits), last.and_then(value)].into_iter().flatten()
+        [value(digits), after_count(digits).and_then(value)].into_iter().flatten()
     })
 }
 

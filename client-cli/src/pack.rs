@@ -392,6 +392,19 @@ mod tests {
     }
 
     #[test]
+    fn an_ambiguous_number_after_a_repeat_count_is_refused() {
+        for call in ["M98 P1005", "M98 P31005", "M98 P00031005"] {
+            let (folder, inputs) = crowded(&format!("N500 G0\n{call}\nM30\n"));
+            fs::remove_file(folder.path().join("O1005.nc")).unwrap();
+            for name in ["O1005.tap", "O1005.txt"] {
+                fs::write(folder.path().join(name), "O1005\nM99\n").unwrap();
+            }
+            let error = job(&inputs).map(drop).unwrap_err().to_string();
+            assert!(error.contains("may call O1005, but 'O1005.tap' and 'O1005.txt' beside it"), "{call}: {error}");
+        }
+    }
+
+    #[test]
     fn a_job_has_programs_neighbours_and_extra_files() {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in [

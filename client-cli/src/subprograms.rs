@@ -44,13 +44,20 @@ pub(crate) fn best_of_number(names: &[String], program: &str) -> Result<Option<S
     }
 }
 
-/// Whether a text has a number after P or O: `M98 P0100`, `CALL O100`.
+/// Whether a text has a number after P or O: `M98 P0100`, `CALL O100`, or as the last four digits after a repeat count:
+/// `M98 P30100`.
 pub(crate) fn may_call(text: &[u8], number: u32) -> bool {
     memchr::memchr3_iter(b'P', b'O', b'p', text).chain(memchr::memchr_iter(b'o', text)).any(|at| {
         let rest = text.get(at + 1..).unwrap_or_default();
         let digits = rest.get(..rest.iter().take_while(|byte| byte.is_ascii_digit()).count()).unwrap_or_default();
-        std::str::from_utf8(digits).is_ok_and(|digits| digits.parse() == Ok(number))
+        let is_number = |digits: &[u8]| std::str::from_utf8(digits).is_ok_and(|digits| digits.parse() == Ok(number));
+        is_number(digits) || after_count(digits).is_some_and(is_number)
     })
+}
+
+/// The last four of more than four digits: some controls put a repeat count before the number (`P0051234`).
+pub(crate) fn after_count(digits: &[u8]) -> Option<&[u8]> {
+    digits.len().checked_sub(4).filter(|&at| at > 0).and_then(|at| digits.get(at..))
 }
 
 /// Whether a program with this number begins on a line of a text: `O0100` or `:100`.
@@ -194,7 +201,9 @@ mod tests {
         assert_eq!(best(&["O0100.bak"], "part.nc"), Ok(None));
         assert_eq!(best(&["O0100.eia", "O0100.min"], "part.nc"), Err("'O0100.eia' and 'O0100.min'".to_owned()));
         assert_eq!(best(&["O0100.NC", "O100.nc"], "part.nc"), Err("'O0100.NC' and 'O100.nc'".to_owned()));
-        for (text, calls) in [("M98 P0100", true), ("CALL o100", true), ("G0 X100.", false), ("P1001", false)] {
+        for (text, calls) in
+            [("M98 P0100", true), ("CALL o100", true), ("M98 P30100", true), ("G0 X100.", false), ("P1001", false)]
+        {
             assert_eq!(may_call(text.as_bytes(), 100), calls, "{text}");
         }
         let numbered = by_number(["O1.nc", "o0001.h", "O10", "O", "Other"].map(str::to_owned).into_iter());
