@@ -38,6 +38,7 @@ fn broken(kind: &Kind, value: Option<&Value>) -> Option<String> {
             let longest = *longest as usize;
             (text.chars().count() > longest).then(|| format!("have at most {longest} characters"))
         }
+        (Kind::LongestText(_), Some(Value::Number(_) | Value::Flag(_))) => Some("be a text".to_owned()),
         (Kind::Number(_), Some(Value::Text(_) | Value::Flag(_))) => Some("be a number".to_owned()),
         (Kind::Check(_), Some(Value::Text(_) | Value::Number(_))) => Some("be true or false".to_owned()),
         _ => None,

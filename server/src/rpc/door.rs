@@ -178,17 +178,21 @@ pub(super) fn answer(field: &str, answer: &v1::DialogAnswer) -> Result<(), Refus
     line(&format!("{field}.button"), &answer.button, PATH)?;
     let values = format!("{field}.values");
     entries(&values, answer.values.len(), VALUES)?;
-    let mut bytes = 0;
+    let length = |value: &v1::DialogValue| match &value.value {
+        Some(v1::dialog_value::Value::Text(text)) => text.len(),
+        _ => 0,
+    };
     answer.values.iter().try_for_each(|(name, value)| {
         line(&values, name, PATH)?;
         let finite = !matches!(value.value, Some(v1::dialog_value::Value::Number(number)) if !number.is_finite());
         check(finite, &values, format!("the number of '{name}' must be finite"))?;
-        let length = if let Some(v1::dialog_value::Value::Text(text)) = &value.value { text.len() } else { 0 };
-        bytes += length;
-        let rule =
-            || format!("the text of '{name}' must have at most {TEXT} bytes, all texts {TEXTS}; it has {length}");
-        if length <= TEXT && bytes <= TEXTS { Ok(()) } else { Err(Refusal::field(&values, rule())) }
-    })
+        let length = length(value);
+        let rule = || format!("the text of '{name}' must have at most {TEXT} bytes; it has {length}");
+        if length <= TEXT { Ok(()) } else { Err(Refusal::field(&values, rule())) }
+    })?;
+    let sum: usize = answer.values.values().map(length).sum();
+    let rule = || format!("the texts of an answer must have at most {TEXTS} bytes together; they have {sum}");
+    if sum <= TEXTS { Ok(()) } else { Err(Refusal::field(&values, rule())) }
 }
 
 fn filter(filter: Option<&v1::JobFilter>) -> Result<(), Refusal> {

@@ -49,6 +49,8 @@ async fn an_answer_that_its_dialog_cannot_take_is_refused_by_name_and_the_questi
     let text = |text: &str| Value::Text(text.to_owned());
     for (variable, value, rule) in [
         ("NAME", text("123456"), "must have at most 5 characters"),
+        ("NAME", Value::Number(5.0), "must be a text"),
+        ("NAME", Value::Flag(true), "must be a text"),
         ("COUNT", text("many"), "must be a number"),
         ("CLAMP", text("maybe"), "must be true or false"),
         ("OTHER", Value::Number(1.0), "the dialog 'Form' has no such field"),
@@ -58,6 +60,9 @@ async fn an_answer_that_its_dialog_cannot_take_is_refused_by_name_and_the_questi
         assert_eq!(field, "answer.values", "{variable}");
         assert!(description.contains(&format!("'{variable}'")) && description.contains(rule), "{description}");
     }
+    let notes = ["A", "B", "C", "D", "E"].map(|name| (name, text(&"x".repeat(60_000))));
+    let (_, description) = violation(&give(&server, &job, question, answer(&notes)).await.unwrap_err());
+    assert!(description.contains("at most 262144 bytes together; they have 300000"), "{description}");
     // Letter case of variables is ignored, and an empty text means no value. The question also lists DEPTH.
     let values = [("name", text("12345")), ("COUNT", text("")), ("CLAMP", Value::Flag(true)), ("DEPTH", text("x"))];
     assert!(give(&server, &job, question, answer(&values)).await.unwrap());
