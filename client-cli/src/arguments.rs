@@ -351,11 +351,11 @@ pub(crate) enum ResultKind {
     Timeline,
     Toolpath,
     Events,
-    /// Files that macros have written; without --output only their sizes and paths
+    /// Files that macros have written; without a folder for them only their sizes and paths
     Files,
     /// Report that `run` prints
     Report,
-    /// All results, written to the folder of --output
+    /// All results, written to a folder
     All,
 }
 

@@ -1,5 +1,6 @@
 //! Why a command failed, and its exit code.
 
+use std::error::Error as _;
 use std::ffi::OsStr;
 use std::io::ErrorKind;
 use std::time::Duration;
@@ -163,6 +164,8 @@ impl From<counterpoint_client::Error> for Error {
         use counterpoint_client::Error as Client;
         match error {
             Client::Settings(text) => Self::Usage(text),
+            // Made here, not by the server.
+            Client::Refused(ref status) if status.source().is_some() => Self::Connection(error.to_string()),
             Client::Refused(status) => Self::Refused(status),
             Client::Unreachable { .. } => Self::Connection(unreachable(&error)),
             Client::Contract(_) => Self::Connection(error.to_string()),

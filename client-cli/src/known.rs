@@ -4,20 +4,22 @@
 
 use std::path::Path;
 
-use counterpoint_kernel::machine::package;
-use counterpoint_lang::ident;
+use counterpoint_kernel::machine::{package, similar};
 
 use crate::error::Error;
+
+/// Maximum number of similar names in a message, as on the server.
+const SUGGESTED: usize = 3;
 
 /// Refuses a machine that is neither a folder with a definition nor a known name. The names on a remote server, which
 /// is not embedded, are not known here.
 pub(crate) fn machine(machine: &str, embedded: bool) -> Result<(), Error> {
-    let names = package::shipped_names();
-    if names.iter().any(|name| name == machine) {
     if machine.is_empty() {
         let text = "the name of the machine is empty: give the name of a machine, or a folder with machine.toml";
         return Err(Error::Usage(text.to_owned()));
     }
+    let names = package::shipped_names();
+    if names.iter().any(|name| name == machine) {
         return Ok(());
     }
     if Path::new(machine).is_dir() || machine.contains(['/', '\\']) {
@@ -26,8 +28,9 @@ pub(crate) fn machine(machine: &str, embedded: bool) -> Result<(), Error> {
         )));
     }
     if embedded {
-        let near = ident::nearest(machine, names.iter().map(String::as_str));
-        let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
+        let known: Vec<&str> = names.iter().map(String::as_str).collect();
+        let near = similar(machine, &known, SUGGESTED).join(" or ");
+        let near = if near.is_empty() { near } else { format!("did you mean {near}? ") };
         return Err(Error::Usage(format!(
             "machine '{machine}' not found: {near}shipped machines are {}; for your own machine give a folder with \
              machine.toml",

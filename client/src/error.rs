@@ -31,6 +31,9 @@ pub enum Error {
 }
 
 fn refusal(status: &Status) -> String {
+    if status.source().is_some() {
+        return "the connection to the server was lost".to_owned();
+    }
     match status.get_error_details().error_info() {
         Some(info) => format!("{} ({})", status.message(), info.reason),
         None => status.message().to_owned(),
@@ -101,7 +104,9 @@ mod tests {
         let broken = std::io::Error::from(std::io::ErrorKind::ConnectionReset);
         let mut lost = Status::internal("h2 protocol error");
         lost.set_source(std::sync::Arc::new(broken));
-        assert!(Error::from(lost).is_passing());
+        let lost = Error::from(lost);
+        assert!(lost.is_passing());
+        assert_eq!(lost.to_string(), "the connection to the server was lost");
         assert!(Error::from(Status::unavailable("the server goes down")).is_passing());
         let unreachable = Error::Unreachable { address: String::new(), cause: String::new() };
         assert!(unreachable.is_passing());

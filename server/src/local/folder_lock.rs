@@ -64,8 +64,27 @@ fn locked(file: File) -> io::Result<File> {
                 "" => "another process".to_owned(),
                 id => format!("process {id}"),
             };
-            let text = format!("it is in use by {holder}; stop that server first or choose another folder (--data)");
+            let text = format!(
+                "it is in use by {holder}, a server or another command; wait for its end or stop it, or choose another \
+                 folder (--data)"
+            );
             Err(io::Error::new(io::ErrorKind::ResourceBusy, text))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A restore and a repair hold the lock, too.
+    #[test]
+    fn a_folder_in_use_is_not_always_that_of_a_server() {
+        let folder = tempfile::tempdir().unwrap();
+        let held = FolderLock::take(folder.path()).unwrap();
+        let text = FolderLock::take(folder.path()).unwrap_err().to_string();
+        assert!(text.contains(&format!("process {}, a server or another command", std::process::id())), "{text}");
+        drop(held);
+        FolderLock::take(folder.path()).unwrap();
     }
 }
