@@ -68,6 +68,13 @@ const CERTAIN: f64 = 1e11;
 /// A product this close to a half may round to either side.
 const NEAR_HALF: f64 = 1e-4;
 
+/// A computed value with at most nine digits after the point, which is what programs can see of it.
+#[must_use]
+pub fn shortest(value: f64) -> f64 {
+    let tidy = if value.abs() < 1e6 { (value * 1e9).round() / 1e9 } else { value };
+    tidy + 0.0
+}
+
 fn lead(whole: &str, format: &NumberFormat) -> String {
     match format.lead {
         Zeros::Keep => format!("{whole:0>width$}", width = usize::from(format.whole)),

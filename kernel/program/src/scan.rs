@@ -355,6 +355,14 @@ impl Scanner {
         (end == text.len()).then(|| self.reading(register, number, secondary))
     }
 
+    /// Value of a computed number as a register reads it, and its irregularities; none if that depends on its digits.
+    #[must_use]
+    pub fn reading_of_value(&self, register: RegisterId, value: f64, secondary: bool) -> Option<(f64, u8)> {
+        let read = self.read(register, secondary);
+        let number = Number { value, point: value.fract() != 0.0, digits: 0, fraction: 0 };
+        read.takes_values().then(|| read.value(number))
+    }
+
     /// A word that begins at `at`, if a number follows its letter or text, which ends at `from`.
     #[inline(always)]
     fn word(

@@ -7,13 +7,13 @@
 
 use super::free::{of_step, sense_of};
 use super::path::{Position, Shape, Step, Walk, axis};
-use super::words::Seen;
+use super::words::{LeftBlock, Seen};
 
 use crate::contour::{self, Approach, Departure, PathShape, Point, Polar, Side, direction, minus};
 
 impl Walk<'_> {
     fn word(&self, name: &str) -> Option<f64> {
-        self.step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
+        self.step.seen.iter().find(|word| word.is(name) && !word.is_off()).and_then(|word| word.value)
     }
 
     /// Length or radius of a path, the side on which the tool goes, and its distance from the contour. Without
@@ -30,7 +30,7 @@ impl Walk<'_> {
         Side { size: if is_straight { size.abs() } else { size }, on_left, beside, angle }
     }
 
-    pub(super) fn approach(&mut self, way: PathShape) -> Vec<String> {
+    pub(super) fn approach(&mut self, way: PathShape) -> Vec<LeftBlock> {
         let polar = self.step.seen.iter().any(|word| matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA"));
         let end = match polar {
             true => match self.polar_end() {
@@ -45,14 +45,14 @@ impl Walk<'_> {
         let Some(heading) = heading else {
             self.refuse("the approach needs a path block after it for its direction");
             let others = self.others(&USED);
-            return vec![self.straight(&end, &others)];
+            return vec![self.straight(&end, others)];
         };
         let side = self.side(way);
         let made = contour::approach(way, from, (to, heading), side);
         let others = self.others(&USED);
         let Some(Approach { begin, arc, begins_plain, heading }) = made else {
             self.refuse("the approach has no length or radius that fits");
-            return vec![self.straight(&end, &others)];
+            return vec![self.straight(&end, others)];
         };
         let mut first = self.actual;
         for ((slot, to), start) in first.iter_mut().zip(&end).zip(&self.start) {
@@ -60,11 +60,11 @@ impl Walk<'_> {
         }
         self.put(&mut first, begin);
         let (to_begin, to_contour) = self.words_of_approach(way, begins_plain, others);
-        let lines = vec![self.straight(&first, &to_begin)];
+        let lines = vec![self.straight(&first, to_begin)];
         let from = std::mem::replace(&mut self.actual, first);
         let last = match arc {
-            None => self.straight(&end, &to_contour),
-            Some(arc) => self.by_radius(&end, arc.radius, arc.clockwise, &to_contour),
+            None => self.straight(&end, to_contour),
+            Some(arc) => self.by_radius(&end, arc.radius, arc.clockwise, to_contour),
         };
         self.actual = from;
         self.path.heading = Some(heading);
@@ -114,13 +114,13 @@ impl Walk<'_> {
             }
             Shape::PolarLine => direction(minus(self.end_of(&step.seen, from, pole, true)?, point)),
             Shape::Arc | Shape::PolarArc => {
-                let clockwise = step.seen.iter().any(|word| word.text == "DR-");
+                let clockwise = step.seen.iter().any(|word| word.turns() == Some(true));
                 direction(contour::heading_on(pole?, point, clockwise))
             }
             Shape::Radius => {
                 let to = self.end_of(&step.seen, from, None, false)?;
-                let clockwise = step.seen.iter().any(|word| word.text == "DR-");
-                let radius = step.seen.iter().find(|word| word.is("R") && word.text != "R0")?.value?;
+                let clockwise = step.seen.iter().any(|word| word.turns() == Some(true));
+                let radius = step.seen.iter().find(|word| word.is("R") && !word.is_off())?.value?;
                 let center = contour::center_by_radius(point, to, radius, clockwise)?;
                 direction(contour::heading_on(center, point, clockwise))
             }
@@ -150,7 +150,7 @@ impl Walk<'_> {
         direction(contour::heading_on(center, point, clockwise))
     }
 
-    pub(super) fn depart(&mut self, way: PathShape) -> Vec<String> {
+    pub(super) fn depart(&mut self, way: PathShape) -> Vec<LeftBlock> {
         let from = self.flat(&self.start);
         let polar = self.step.seen.iter().any(|word| matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA"));
         let mut end = match polar {
@@ -170,37 +170,37 @@ impl Walk<'_> {
         }
         self.path.side.is_left = None;
         let mut with_end = others;
-        if !with_end.iter().any(|word| word.text == "R0") {
+        if !with_end.iter().any(Seen::is_off) {
             with_end.insert(0, Seen::text("R0"));
         }
         match contour::depart(way, (from, heading), self.flat(&end), side) {
             Some(Departure::Line { to, heading }) => {
                 self.put(&mut end, to);
                 self.path.heading = Some(heading);
-                vec![self.straight(&end, &with_end)]
+                vec![self.straight(&end, with_end)]
             }
             Some(Departure::Arc { to, arc, heading }) => {
                 self.put(&mut end, to);
                 self.path.heading = Some(heading);
                 self.path.side.ends = true;
-                with_end.retain(|word| word.text != "R0");
-                vec![self.by_radius(&end, arc.radius, arc.clockwise, &with_end)]
+                with_end.retain(|word| !word.is_off());
+                vec![self.by_radius(&end, arc.radius, arc.clockwise, with_end)]
             }
             Some(Departure::ArcAndLine { leave, arc, to }) => {
                 let mut middle = self.actual;
                 self.put(&mut middle, leave);
                 let feed: Vec<Seen> = with_end.iter().filter(|word| word.is("F")).cloned().collect();
-                let first = self.by_radius(&middle, arc.radius, arc.clockwise, &feed);
+                let first = self.by_radius(&middle, arc.radius, arc.clockwise, feed);
                 with_end.retain(|word| !word.is("F"));
                 let start = std::mem::replace(&mut self.actual, middle);
-                let last = self.straight(&end, &with_end);
+                let last = self.straight(&end, with_end);
                 self.actual = start;
                 self.head_for(minus(to, leave));
                 vec![first, last]
             }
             None => {
                 self.refuse("the departure has no radius that fits, or ends inside its circle");
-                vec![self.straight(&end, &with_end)]
+                vec![self.straight(&end, with_end)]
             }
         }
     }

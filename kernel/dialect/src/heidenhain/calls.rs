@@ -7,14 +7,15 @@
 use counterpoint_fault::Halt;
 
 use super::Heidenhain;
-use super::cycles::{RAPID, Running};
+use super::cycles::Running;
 use super::eval::Evaluator;
 use super::flow;
 use super::formula::{Kind, Name};
+use super::moves::RAPID;
 use super::path::{AXES, actual, axis};
 use super::statement::Call;
 use super::variables::Value;
-use super::words::{Seen, Word, joined, shown};
+use super::words::{LeftBlock, Seen, Word, headed};
 use crate::host::{self, Host, Place};
 use counterpoint_fault as diag;
 
@@ -49,7 +50,7 @@ fn asks(seen: &[Seen]) -> Asked {
 
 /// How a call of a cycle leads to its position: straight, without compensation, at the feed of its block or at rapid.
 pub(super) struct Way {
-    feed: Option<String>,
+    feed: Option<Seen>,
     rapid: &'static str,
     /// The first words of straight blocks, with a feed and at rapid.
     line: [&'static str; 2],
@@ -60,7 +61,7 @@ impl Way {
     /// As the words of a call say.
     pub(super) fn of(host: &dyn Host, seen: &[Seen]) -> Self {
         let text = |text: &'static str| if host.is_code_text(text) { text } else { "" };
-        let feed = seen.iter().find(|word| word.is_rate() && word.is("F")).map(|word| word.text.clone());
+        let feed = seen.iter().find(|word| word.is_rate() && word.is("F")).cloned();
         let line = if host.is_code_text("L") { ["L"; 2] } else { ["G1", "G0"] };
         Self { feed, rapid: text("FMAX"), line, off: text("R0") }
     }
@@ -71,11 +72,12 @@ impl Way {
     }
 
     /// A block to some positions; `rapid` overrides the feed.
-    pub(super) fn block(&self, words: &str, rapid: bool) -> String {
-        let feed = self.feed.as_deref().filter(|_| !rapid);
+    pub(super) fn block(&self, words: impl IntoIterator<Item = Seen>, rapid: bool) -> LeftBlock {
+        let feed = self.feed.as_ref().filter(|_| !rapid);
         let line = if feed.is_some() { self.line[0] } else { self.line[1] };
-        let parts = [line, words, self.off, feed.unwrap_or(self.rapid)];
-        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
+        let text = |text: &str| (!text.is_empty()).then(|| Seen::text(text));
+        let last = feed.cloned().or_else(|| text(self.rapid));
+        headed(line, words.into_iter().chain(text(self.off)).chain(last))
     }
 }
 
@@ -86,7 +88,7 @@ impl Heidenhain {
         host: &mut dyn Host,
         (kind, words): (Call, &[Word]),
         place: Place,
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         self.functions_of(&seen);
         self.feed_units(host, &mut seen)?;
@@ -98,7 +100,7 @@ impl Heidenhain {
         if kind == Call::Pattern && !host.is_code_text(text) {
             let Some(program) = self.cycles.defined.program.clone() else { return Err(self.not_understood(host)) };
             return Ok(match self.call_at_pattern(host, &program, &seen, place)? {
-                Some(blocks) => Some(blocks.join("\n")),
+                Some(blocks) => blocks,
                 None => return Err(self.not_understood(host)),
             });
         }
@@ -106,15 +108,15 @@ impl Heidenhain {
             if !host.is_code_text(text) {
                 return Err(no_cycle(host, text));
             }
-            return Ok(Some(joined(text, &seen)));
+            return Ok(vec![headed(text, seen)]);
         };
         if kind == Call::Here {
             self.call_cycle_program(host, &program, None)?;
-            return Ok(Some(joined("", &seen)));
+            return Ok(vec![seen]);
         }
         let (blocks, surface) = self.approach(host, seen);
         self.call_cycle_program(host, &program, Some(surface))?;
-        Ok(Some(blocks.join("\n")))
+        Ok(blocks)
     }
 
     /// A number that the program has given a parameter, 0 before.
@@ -138,7 +140,7 @@ impl Heidenhain {
     /// Blocks that lead to the position of CYCL CALL POS, and the surface there, which its word of the tool axis moves.
     /// From above the tool moves in the plane first, from below up to the clearance first. The feed of the block
     /// applies to this path alone.
-    fn approach(&mut self, host: &mut dyn Host, seen: Vec<Seen>) -> (Vec<String>, f64) {
+    fn approach(&mut self, host: &mut dyn Host, seen: Vec<Seen>) -> (Vec<LeftBlock>, f64) {
         let along = self.variables.control.tool_axis.unwrap_or(2);
         let is_height = |word: &Seen| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| at == along);
         let shift = seen.iter().find(|word| is_height(word)).and_then(|word| word.value).unwrap_or(0.0);
@@ -147,11 +149,11 @@ impl Heidenhain {
         let mut blocks = Vec::new();
         if actual(host).get(along).is_some_and(|height| *height < surface) {
             let letter = AXES.get(along).copied().unwrap_or("Z");
-            blocks.push(way.block(&format!("{letter}{}", shown(surface + self.number(CLEARANCE))), false));
+            blocks.push(way.block([Seen::made(letter, surface + self.number(CLEARANCE))], false));
         }
-        let others: Vec<Seen> = seen.into_iter().filter(|word| !is_height(word) && !word.is_rate()).collect();
-        blocks.push(way.block(&joined("", &others), false));
-        blocks.extend(self.path.rates.last.clone().filter(|_| way.has_feed()));
+        let others = seen.into_iter().filter(|word| !is_height(word) && !word.is_rate());
+        blocks.push(way.block(others, false));
+        blocks.extend(self.path.rates.last.clone().filter(|_| way.has_feed()).map(|feed| vec![feed]));
         (blocks, surface)
     }
 

@@ -8,7 +8,7 @@ use super::formula::Formula;
 use super::path::{Shape, Step, axis, walk};
 use super::statement::{Condition, Statement, Test};
 use super::variables::Value;
-use super::words::{Seen, Word, joined};
+use super::words::{LeftBlock, Rest, Seen, Word, headed, joined};
 use super::{Heidenhain, Line};
 use crate::host::{Host, Place};
 use counterpoint_fault as diag;
@@ -21,10 +21,10 @@ fn unit(inch: bool) -> &'static str {
 }
 
 impl Heidenhain {
-    /// Executes a block; returns its remaining words, as blocks in lines of their own.
-    pub(super) fn carry_out(&mut self, host: &mut dyn Host, line: &Line, place: Place) -> Result<Option<String>, Halt> {
+    /// Executes a block; returns its remaining words.
+    pub(super) fn carry_out(&mut self, host: &mut dyn Host, line: &Line, place: Place) -> Result<Vec<LeftBlock>, Halt> {
         match &line.statement {
-            Statement::Nothing | Statement::Label(_) => Ok(None),
+            Statement::Nothing | Statement::Label(_) | Statement::Contour(_) => Ok(Vec::new()),
             Statement::Words(words) | Statement::Path { shape: Shape::Iso, words, .. } if self.is_translated(host) => {
                 self.iso_block(host, words, line, place)
             }
@@ -32,49 +32,51 @@ impl Heidenhain {
             Statement::Assign(name, formula) => {
                 let mut evaluator = Evaluator::new(&mut self.variables, host);
                 let value = evaluator.value(formula)?;
-                evaluator.assign(*name, value).map(|()| None)
+                evaluator.assign(*name, value).map(|()| Vec::new())
             }
-            Statement::Parameters(words) => self.parameters(host, words).map(|()| None),
+            Statement::Parameters(words) => self.parameters(host, words).map(|()| Vec::new()),
             Statement::Branch(condition, to) => {
                 if self.holds(host, condition)? {
                     self.jump(host, to)?;
                 }
-                Ok(None)
+                Ok(Vec::new())
             }
             Statement::Shared(statement, operands) => {
                 let value =
                     |host: &mut dyn Host, operand: &Formula| Evaluator::new(&mut self.variables, host).number(operand);
-                statement.execute(host, operands, value).map(|()| None)
+                statement.execute(host, operands, value).map(|()| Vec::new())
             }
-            Statement::Print(text) => self.print(host, text).map(|()| None),
-            Statement::Send(text) => self.send(host, text).map(|()| None),
+            Statement::Print(text) => self.print(host, text).map(|()| Vec::new()),
+            Statement::Send(text) => self.send(host, text).map(|()| Vec::new()),
             Statement::SysRead { to, id, number, index } => {
-                self.system_read(host, *to, (id, number, index.as_ref())).map(|()| None)
+                self.system_read(host, *to, (id, number, index.as_ref())).map(|()| Vec::new())
             }
             Statement::SysWrite { id, number, index, value } => {
-                self.system_write(host, (id, number, index.as_ref()), value).map(|()| None)
+                self.system_write(host, (id, number, index.as_ref()), value).map(|()| Vec::new())
             }
             Statement::EndOfLabel => {
                 self.end_label(host);
-                Ok(None)
+                Ok(Vec::new())
             }
-            Statement::CallLabel { label, repeat } => self.call_label(host, label, repeat.as_ref()).map(|()| None),
+            Statement::CallLabel { label, repeat } => {
+                self.call_label(host, label, repeat.as_ref()).map(|()| Vec::new())
+            }
             Statement::CallProgram(name) => {
                 let name = self.text(host, name)?;
-                self.call_program(host, &name).map(|()| None)
+                self.call_program(host, &name).map(|()| Vec::new())
             }
             Statement::SelectProgram(name) => {
                 self.selected.program = Some(self.text(host, name)?);
-                Ok(None)
+                Ok(Vec::new())
             }
-            Statement::SelectPoints(name) => self.select_points(host, name).map(|()| None),
-            Statement::SelectDatums(name) => self.select_datums(host, name).map(|()| None),
+            Statement::SelectPoints(name) => self.select_points(host, name).map(|()| Vec::new()),
+            Statement::SelectDatums(name) => self.select_datums(host, name).map(|()| Vec::new()),
             Statement::SelectContour(name) if self.settings.cycles.contains(&14) => {
-                self.select_contour(host, name).map(|()| None)
+                self.select_contour(host, name).map(|()| Vec::new())
             }
             Statement::SelectContour(_) => Err(self.not_understood(host)),
             Statement::CallSelected => match self.selected.program.clone() {
-                Some(name) => self.call_program(host, &name).map(|()| None),
+                Some(name) => self.call_program(host, &name).map(|()| Vec::new()),
                 None => {
                     let text = format!("no program is selected for '{}'; program SEL PGM first", host.block_text());
                     Err(host.alarm(&diag::SUBPROGRAM_MISSING, text))
@@ -83,7 +85,6 @@ impl Heidenhain {
             Statement::Begin { iso: true, .. } if line.number.is_some() => self.end_program(host),
             Statement::Begin { inch, words, .. } => self.begin_program(host, *inch, words),
             Statement::End => self.end_program(host),
-            Statement::Contour(what) => self.contour_statement(host, what, place),
             Statement::CycleDefinition(words)
                 if words.first().is_some_and(|word| &*word.name == "G") && self.is_translated(host) =>
             {
@@ -103,16 +104,16 @@ impl Heidenhain {
             Statement::Foreign(words) => {
                 let starts = |count: usize| {
                     let first = words.get(..count)?.iter().map(|word| Seen::text(&word.name));
-                    Some(joined("", &first.collect::<Vec<_>>()))
+                    Some(joined(&first.collect::<Vec<_>>()))
                 };
                 if !(1..=4).any(|count| starts(count).is_some_and(|text| host.is_code_text(&text))) {
                     return match starts(2).as_deref() {
-                        Some("PATTERN DEF") => self.define_pattern(host, words).map(|()| None),
-                        Some("GLOBAL DEF") => self.define_globally(host, words).map(|()| None),
+                        Some("PATTERN DEF") => self.define_pattern(host, words).map(|()| Vec::new()),
+                        Some("GLOBAL DEF") => self.define_globally(host, words).map(|()| Vec::new()),
                         Some("CONTOUR DEF") if self.settings.cycles.contains(&14) => {
                             let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
                             match self.define_contours(host, seen.get(2..).unwrap_or_default()) {
-                                true => Ok(None),
+                                true => Ok(Vec::new()),
                                 false => Err(self.not_understood(host)),
                             }
                         }
@@ -125,7 +126,7 @@ impl Heidenhain {
                 }
                 let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
                 self.follow(host, &mut seen);
-                Ok(Some(joined("", &seen)))
+                Ok(vec![seen])
             }
         }
     }
@@ -183,14 +184,15 @@ impl Heidenhain {
     }
 
     /// STOP.
-    pub(super) fn stop(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+    pub(super) fn stop(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         refuse_axes(host, "STOP", &seen)?;
         self.functions_of(&seen);
-        Ok(Some(joined(if host.is_code_text("STOP") { "STOP" } else { "M0" }, &seen)))
+        let stop = if host.is_code_text("STOP") { Seen::text("STOP") } else { Seen::made("M", 0.0) };
+        Ok(vec![std::iter::once(stop).chain(seen).collect()])
     }
 
-    pub(super) fn plain(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+    pub(super) fn plain(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         self.functions_of(&seen);
         self.follow(host, &mut seen);
@@ -199,7 +201,8 @@ impl Heidenhain {
         before.extend(self.retract(host, &mut seen));
         self.cycle_calls(host, &mut seen, false)?;
         self.after_block(&seen);
-        Ok(Some(before.into_iter().chain([joined("", &seen)]).collect::<Vec<_>>().join("\n")))
+        before.push(seen);
+        Ok(before)
     }
 
     /// Several parameters of a cycle in a block of their own.
@@ -220,10 +223,10 @@ impl Heidenhain {
         host: &mut dyn Host,
         inch: Option<bool>,
         words: &[Word],
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let file = host.place().file;
         if host.files().get(usize::from(file)).is_some_and(|name| name.starts_with(StoredFile::ROOT)) {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let called = self.variables.calls.depth() > 0;
         // Q113 is the unit of the main program.
@@ -232,28 +235,28 @@ impl Heidenhain {
         }
         if !words.is_empty() && !self.is_translated(host) {
             let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-            return Ok(Some(joined("", &seen)));
+            return Ok(vec![seen]);
         }
-        let Some(inch) = inch else { return Ok(None) };
+        let Some(inch) = inch else { return Ok(Vec::new()) };
         if host.is_code_text(unit(inch)) {
             if called && inch != self.units.inches {
                 self.variables.calls.here_mut().caller_in_inches = Some(self.units.inches);
             }
             self.units.inches = inch;
-            return Ok(Some(unit(inch).to_owned()));
+            return Ok(vec![headed(unit(inch), [])]);
         }
         if inch {
             let text = format!("the machine has no code INCH for '{}'", host.block_text());
             return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
         }
-        Ok(None)
+        Ok(Vec::new())
     }
 
     /// The unit of the program that has called the ending one, if the units differ.
-    pub(super) fn unit_of_caller(&mut self, host: &dyn Host) -> Option<String> {
+    pub(super) fn unit_of_caller(&mut self, host: &dyn Host) -> Option<LeftBlock> {
         let inches = self.variables.calls.here_mut().caller_in_inches.take()?;
         self.units.inches = inches;
-        Some(unit(inches).to_owned()).filter(|unit| host.is_code_text(unit))
+        Some(unit(inches)).filter(|unit| host.is_code_text(unit)).map(|unit| headed(unit, []))
     }
 
     pub(super) fn path(
@@ -262,13 +265,14 @@ impl Heidenhain {
         (shape, iso, words): (Shape, bool, &[Word]),
         line: &Line,
         place: Place,
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Vec<LeftBlock>, Halt> {
         if shape == Shape::Space && !host.is_code_text("LN") {
             return Err(self.not_understood(host));
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         // Old programs have words without a value.
-        seen.retain(|word| word.value.is_some() || !matches!(word.text.as_str(), "R" | "F" | "M"));
+        let is_bare = |word: &Seen| word.value.is_none() && word.rest == Rest::Nothing;
+        seen.retain(|word| !is_bare(word) || !matches!(&*word.name, "R" | "F" | "M"));
         self.cycles.contours.unroll(&mut seen);
         self.rapid_feeds(&mut seen);
         self.functions_of(&seen);
@@ -290,6 +294,6 @@ impl Heidenhain {
         self.path.free.selects.clear();
         let ahead = if place.as_read { self.ahead(host, shape, line.next, place)? } else { Vec::new() };
         lines.extend(walk(&mut self.path, host, &step, &ahead)?);
-        Ok(if lines.is_empty() { None } else { Some(lines.join("\n")) })
+        Ok(lines)
     }
 }

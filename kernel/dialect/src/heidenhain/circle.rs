@@ -4,27 +4,26 @@
 //! circle comes either from `CC` before it or by words of its own block, never by both.
 
 use super::path::{AXES, Position, Shape, Walk, axis};
-use super::words::{Seen, joined};
+use super::words::{LeftBlock, Seen, headed};
 use crate::contour::{self, Point, Tangent, center_by_radius, minus};
 
 impl Walk<'_> {
     /// Direction of a circle: before its words in ISO programs, after them in others.
-    pub(super) fn circle_code(&self, code: &str, clockwise: bool) -> (String, Option<Seen>) {
+    pub(super) fn circle_code(&self, code: &'static str, clockwise: bool) -> (&'static str, Option<Seen>) {
         match self.step.iso && self.path.mode.is_some() {
-            true => ((if clockwise { "G2" } else { "G3" }).to_owned(), None),
-            false => (code.to_owned(), Some(Seen::text(if clockwise { "DR-" } else { "DR+" }))),
+            true => (if clockwise { "G2" } else { "G3" }, None),
+            false => (code, Some(Seen::turn(clockwise))),
         }
     }
 
     /// An arc of less than a circle by its radius; a negative one takes the longer path.
-    pub(super) fn by_radius(&mut self, to: &Position, radius: f64, clockwise: bool, others: &[Seen]) -> String {
+    pub(super) fn by_radius(&mut self, to: &Position, radius: f64, clockwise: bool, others: Vec<Seen>) -> LeftBlock {
         let (code, sign) = self.circle_code("CR", clockwise);
         self.path.restate = true;
         let mut words = self.positions(&self.actual, to);
         words.push(Seen::made("R", radius));
         words.extend(sign);
-        words.extend_from_slice(others);
-        joined(&code, &words)
+        headed(code, words.into_iter().chain(others))
     }
 
     /// Direction at the end of a circle.
@@ -48,7 +47,7 @@ impl Walk<'_> {
         letters.into_iter().zip(center).map(|(letter, value)| Seen::made(letter, value)).collect()
     }
 
-    pub(super) fn circle(&mut self, shape: Shape) -> Vec<String> {
+    pub(super) fn circle(&mut self, shape: Shape) -> Vec<LeftBlock> {
         if shape == Shape::Arc
             && let Some(pole) = self.upright_of_circle()
         {
@@ -60,15 +59,15 @@ impl Walk<'_> {
         let Some(clockwise) = self.path.clockwise else {
             self.path.base = None;
             self.refuse("the circle has no direction of rotation");
-            return vec![self.verbatim(&[])];
+            return vec![self.verbatim(Vec::new())];
         };
-        let radius = self.step.seen.iter().find(|word| word.is("R") && word.text != "R0").and_then(|word| word.value);
+        let radius = self.step.seen.iter().find(|word| word.is("R") && !word.is_off()).and_then(|word| word.value);
         let mut centre = Vec::new();
         let center = if shape == Shape::Arc {
             let Some(pole) = self.path.poles.flat else {
                 self.path.base = None;
                 self.refuse("the circle has no centre (CC)");
-                return vec![self.verbatim(&[])];
+                return vec![self.verbatim(Vec::new())];
             };
             centre = self.center_words(pole);
             Some(pole)
@@ -106,7 +105,7 @@ impl Walk<'_> {
         let full = shape == Shape::Arc && !self.step.iso && !self.coded().contains(&true);
         let rewritten = base.is_some() && self.has_increments() || own && self.keeps_center() || by_last || full;
         if !rewritten {
-            lines.push(self.verbatim(if own { &[] } else { &centre }));
+            lines.push(self.verbatim(if own { Vec::new() } else { centre }));
             return lines;
         }
         let (code, sign) = self.circle_code(self.step.shape.head(), clockwise);
@@ -115,12 +114,19 @@ impl Walk<'_> {
         words.extend(self.others(&["I", "J", "K", "DR"]));
         words.extend(sign);
         words.extend(centre);
-        lines.push(joined(&code, &words));
+        lines.push(headed(code, words));
         lines
     }
 
     /// A circle whose start or end a corner has taken.
-    fn arc_to(&mut self, to: &Position, center: Point, clockwise: bool, shape: Shape, radius: Option<f64>) -> String {
+    fn arc_to(
+        &mut self,
+        to: &Position,
+        center: Point,
+        clockwise: bool,
+        shape: Shape,
+        radius: Option<f64>,
+    ) -> LeftBlock {
         let others = self.others(&["I", "J", "K", "DR", "R"]);
         if shape == Shape::Arc {
             let (code, sign) = self.circle_code("C", clockwise);
@@ -129,10 +135,10 @@ impl Walk<'_> {
             words.extend(others);
             words.extend(sign);
             words.extend(self.center_words(center));
-            return joined(&code, &words);
+            return headed(code, words);
         }
         let radius = self.radius_to(to, center, clockwise, radius.unwrap_or(0.0));
-        self.by_radius(to, radius, clockwise, &others)
+        self.by_radius(to, radius, clockwise, others)
     }
 
     /// A radius for the path from the tool to a point of its circle: below zero for more than half a circle.
@@ -167,10 +173,9 @@ impl Walk<'_> {
         found
     }
 
-    pub(super) fn pole_line(&self, pole: Point) -> String {
+    pub(super) fn pole_line(&self, pole: Point) -> LeftBlock {
         let letters = self.path.plane.map(|axis| AXES.get(axis).copied().unwrap_or("X"));
-        let words: Vec<Seen> = letters.into_iter().zip(pole).map(|(letter, value)| Seen::made(letter, value)).collect();
-        joined("CC", &words)
+        headed("CC", letters.into_iter().zip(pole).map(|(letter, value)| Seen::made(letter, value)))
     }
 
     /// The pole that words define. Without a word it stays where it was along that axis; without any it is where the
@@ -185,7 +190,7 @@ impl Walk<'_> {
         Some([if said[0] { new[0] } else { old[0] }, if said[1] { new[1] } else { old[1] }])
     }
 
-    pub(super) fn pole(&mut self) -> Vec<String> {
+    pub(super) fn pole(&mut self) -> Vec<LeftBlock> {
         let upright = self.upright_pole();
         if let Some(upright) = upright {
             return self.stand_pole(upright);
@@ -200,19 +205,19 @@ impl Walk<'_> {
             lines.push(self.pole_line(pole));
         }
         if !others.is_empty() {
-            lines.push(joined("", &others));
+            lines.push(others);
         }
         lines
     }
 
     /// A circle that continues in the direction of the last element.
-    pub(super) fn tangent(&mut self, end: Position) -> Vec<String> {
+    pub(super) fn tangent(&mut self, end: Position) -> Vec<LeftBlock> {
         let (start, to) = (self.flat(&self.actual), self.flat(&end));
         self.path.base = None;
         let others = self.others(self.polar_words());
         let Some(heading) = self.path.heading else {
             self.refuse("a tangential circle needs a path block before it");
-            return vec![self.straight(&end, &others)];
+            return vec![self.straight(&end, others)];
         };
         match contour::tangent(start, heading, to) {
             Tangent::Arc { center, radius, clockwise } => {
@@ -223,7 +228,7 @@ impl Walk<'_> {
                     self.path.base = Some(end);
                     radius = self.radius_to(&stop, center, clockwise, radius);
                 }
-                let line = self.by_radius(&stop, radius, clockwise, &others);
+                let line = self.by_radius(&stop, radius, clockwise, others);
                 self.leave_circle(center, to, clockwise);
                 vec![line]
             }
@@ -232,7 +237,7 @@ impl Walk<'_> {
                     self.refuse("a tangential circle cannot lead straight back");
                 }
                 self.head_for(minus(to, start));
-                vec![self.straight(&end, &others)]
+                vec![self.straight(&end, others)]
             }
         }
     }

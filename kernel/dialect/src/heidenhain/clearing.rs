@@ -16,63 +16,52 @@ use counterpoint_motion::contour::reach::{eroded, grown, remaining};
 use super::Heidenhain;
 use super::areas::Stage;
 use super::contours::Figure;
-use super::cycles::RAPID;
-use super::path::FASTEST;
+use super::moves::{Along, Moves, RAPID};
 use super::tasks::{Rounding, Task};
-use super::words::shown;
 use crate::host::Host;
 
 /// Blocks in the making.
-pub(super) struct Blocks<'a> {
-    pub(super) lines: Vec<String>,
-    letters: [&'a str; 2],
-    height: &'a str,
+pub(super) struct Blocks {
+    pub(super) moves: Moves,
+    letters: [&'static str; 2],
+    height: &'static str,
     /// Geometry units of a unit of the program.
     factor: f64,
 }
 
-impl Blocks<'_> {
+impl Blocks {
     pub(super) fn of(own: &Heidenhain, host: &dyn Host) -> Self {
         Self {
-            lines: Vec::new(),
+            moves: Moves::default(),
             letters: own.plane_letters(),
             height: own.tool_letter(),
             factor: host.length_factor(),
         }
     }
 
-    fn feed(feed: f64) -> String {
-        if feed >= RAPID { "FMAX".to_owned() } else { format!("F{}", shown(feed)) }
-    }
-
-    fn at(&self, spot: Spot) -> String {
+    fn at(&self, spot: Spot) -> [Along; 2] {
         let [first, second] = self.letters;
-        format!("{first}{} {second}{}", shown(spot[0] / self.factor), shown(spot[1] / self.factor))
+        [(first, spot[0] / self.factor), (second, spot[1] / self.factor)]
     }
 
     pub(super) fn over(&mut self, spot: Spot) {
         let at = self.at(spot);
-        self.lines.push(format!("L {at} R0 FMAX"));
+        self.moves.line(at, true, RAPID);
     }
 
     /// To a place and a height together.
     pub(super) fn ramp(&mut self, spot: Spot, height: f64, feed: f64) {
-        let (at, letter) = (self.at(spot), self.height);
-        self.lines.push(format!("L {at} {letter}{} {}", shown(height), Self::feed(feed)));
-    }
-
-    /// Moves straight to the place that the words give.
-    pub(super) fn words(&mut self, words: &str, feed: f64) {
-        self.lines.push(format!("L {words} {}", Self::feed(feed)));
+        let to = self.at(spot).into_iter().chain([(self.height, height)]);
+        self.moves.line(to, false, feed);
     }
 
     pub(super) fn line(&mut self, spot: Spot, feed: f64) {
         let at = self.at(spot);
-        self.lines.push(format!("L {at} {}", Self::feed(feed)));
+        self.moves.line(at, false, feed);
     }
 
     pub(super) fn rise_to(&mut self, height: f64, feed: f64) {
-        self.lines.push(format!("L {}{} R0 {}", self.height, shown(height), Self::feed(feed)));
+        self.moves.line([(self.height, height)], true, feed);
     }
 
     /// To a place and down to a level.
@@ -128,24 +117,11 @@ impl Blocks<'_> {
 
     /// Along an element, to a height on the way.
     pub(super) fn element_to(&mut self, element: &Element, height: Option<f64>, feed: f64) {
-        let mut to = self.at(element.to);
-        if let Some(height) = height {
-            to = format!("{to} {}{}", self.height, shown(height));
+        let to = self.at(element.to).into_iter().chain(height.map(|height| (self.height, height)));
+        match &element.arc {
+            None => self.moves.line(to, false, feed),
+            Some(arc) => self.moves.circle(self.at(arc.center), to, arc.sweep < 0.0, feed),
         }
-        let Some(arc) = &element.arc else {
-            self.lines.push(format!("L {to} {}", Self::feed(feed)));
-            return;
-        };
-        let center = self.at(arc.center);
-        self.round(&center, &to, arc.sweep < 0.0, feed);
-    }
-
-    /// Moves around a centre to the place that the words give.
-    pub(super) fn round(&mut self, center: &str, to: &str, clockwise: bool, feed: f64) {
-        self.lines.push(format!("CC {center}"));
-        let sense = if clockwise { "DR-" } else { "DR+" };
-        let feed = if feed >= RAPID { FASTEST.to_owned() } else { Self::feed(feed) };
-        self.lines.push(format!("C {to} {sense} {feed}"));
     }
 }
 
@@ -289,7 +265,7 @@ impl Heidenhain {
     }
 
     /// Cycles 22 and 23, in one go, and 6.
-    pub(super) fn rough_out(&self, host: &dyn Host, task: &Task, at_once: bool) -> Result<Vec<String>, String> {
+    pub(super) fn rough_out(&self, host: &dyn Host, task: &Task, at_once: bool) -> Result<Moves, String> {
         let (radius, factor) = (self.cutter(host)?, host.length_factor());
         let amount = radius + task.allowance * factor;
         let mut blocks = Blocks::of(self, host);
@@ -306,11 +282,11 @@ impl Heidenhain {
             }
         }
         blocks.rise_to(task.safe, RAPID);
-        Ok(blocks.lines)
+        Ok(blocks.moves)
     }
 
     /// Cycles 24 and 16.
-    pub(super) fn finish_sides(&self, host: &dyn Host, task: &Task) -> Result<Vec<String>, String> {
+    pub(super) fn finish_sides(&self, host: &dyn Host, task: &Task) -> Result<Moves, String> {
         let (radius, factor) = (self.cutter(host)?, host.length_factor());
         let amount = radius + task.allowance * factor;
         let side = if task.climbs { 1.0 } else { -1.0 };
@@ -343,11 +319,11 @@ impl Heidenhain {
             }
         }
         blocks.rise_to(task.safe, RAPID);
-        Ok(blocks.lines)
+        Ok(blocks.moves)
     }
 
     /// Cycles 21 and 15: holes where the roughing cycle plunges, with tool Q13 or the active one.
-    pub(super) fn drill_pilots(&self, host: &dyn Host, task: &Task) -> Result<Vec<String>, String> {
+    pub(super) fn drill_pilots(&self, host: &dyn Host, task: &Task) -> Result<Moves, String> {
         let factor = host.length_factor();
         let radius = match task.others.holes {
             Some(tool) => host.tool_size(tool)[1],
@@ -374,6 +350,6 @@ impl Heidenhain {
             }
         }
         blocks.rise_to(task.safe, RAPID);
-        Ok(blocks.lines)
+        Ok(blocks.moves)
     }
 }

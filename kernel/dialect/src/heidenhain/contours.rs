@@ -19,6 +19,7 @@ use super::Heidenhain;
 use super::areas::Area;
 use super::cylinder::Unrolled;
 use super::flow::Kind;
+use super::moves::Moves;
 use super::path::Path;
 use super::statement::Label;
 use super::tasks::{Others, Task, Work};
@@ -117,7 +118,7 @@ impl Heidenhain {
     pub(super) fn define_contours(&mut self, host: &dyn Host, words: &[Seen]) -> bool {
         let file = host.place().file;
         let mut labels = Vec::new();
-        let mut words = words.iter().filter(|word| word.text != "=").peekable();
+        let mut words = words.iter().filter(|word| !word.reads("=")).peekable();
         while let Some(kind) = words.next() {
             let is_pocket = match &*kind.name {
                 "P" | "P=" => true,
@@ -125,11 +126,12 @@ impl Heidenhain {
                 _ => return false,
             };
             let Some(named) = words.next() else { return false };
-            let source = match (named.text.strip_prefix('"'), named.value) {
+            let text = named.own_text();
+            let source = match (text.strip_prefix('"'), named.value) {
                 (Some(program), _) => Source::Program(program.trim_end_matches('"').to_owned()),
                 (None, Some(number)) if named.is("LBL") => Source::Label(file, Label::Number(number as u32)),
-                (None, None) if named.is("LBL") => match words.next().map(|word| word.text.trim_matches('"')) {
-                    Some(name) => Source::Label(file, Label::Name(name.to_owned())),
+                (None, None) if named.is("LBL") => match words.next().map(Seen::own_text) {
+                    Some(name) => Source::Label(file, Label::Name(name.trim_matches('"').to_owned())),
                     None => return false,
                 },
                 _ => return false,
@@ -147,12 +149,7 @@ impl Heidenhain {
     }
 
     /// A statement of the programs of SL cycles.
-    pub(super) fn contour_statement(
-        &mut self,
-        host: &mut dyn Host,
-        what: &str,
-        place: Place,
-    ) -> Result<Option<String>, Halt> {
+    pub(super) fn contour_statement(&mut self, host: &mut dyn Host, what: &str, place: Place) -> Result<Moves, Halt> {
         let stored = host.files().get(usize::from(place.file)).is_some_and(|name| name.starts_with(StoredFile::ROOT));
         if !stored {
             return Err(self.not_understood(host));
@@ -165,7 +162,7 @@ impl Heidenhain {
                 let text = format!("{why}, in '{}'", host.block_text());
                 return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
             }
-            return self.read_contours(host, place).map(|()| None);
+            return self.read_contours(host, place).map(|()| Moves::default());
         }
         // Areas look at each element beside each other one.
         let elements = self.cycles.contours.read.iter().map(|contour| contour.elements.len()).sum::<usize>().min(MOST);
@@ -196,7 +193,7 @@ impl Heidenhain {
             _ => return Err(self.not_understood(host)),
         };
         match made {
-            Ok(blocks) => Ok(Some(blocks.join("\n"))),
+            Ok(moves) => Ok(moves),
             Err(why) => {
                 let text = format!("{why}, in '{}'", host.block_text());
                 Err(host.alarm(&diag::STATEMENT_UNKNOWN, text))

@@ -5,7 +5,7 @@
 //! be made is left sharp and reported.
 
 use super::path::{Corner, Position, Shape, Walk};
-use super::words::Seen;
+use super::words::{LeftBlock, Seen};
 use counterpoint_motion::contour::element::Element;
 
 use crate::contour::{self, Point, Polar};
@@ -64,8 +64,11 @@ impl Walk<'_> {
         let from = self.flat(end);
         let to = |polar: bool| self.end_of(&step.seen, end, pole.filter(|_| polar), polar);
         let clockwise = || {
-            let own =
-                step.seen.iter().find(|word| word.is("DR") && word.value.is_none()).map(|word| word.text == "DR-");
+            let own = step
+                .seen
+                .iter()
+                .find(|word| word.is("DR") && word.value.is_none())
+                .map(|word| word.turns() == Some(true));
             own.or(self.path.clockwise)
         };
         Some(match step.shape {
@@ -77,7 +80,7 @@ impl Walk<'_> {
             Shape::Arc => contour::arc(from, to(false)?, pole?, clockwise()?),
             Shape::PolarArc => contour::arc(from, to(true)?, pole?, clockwise()?),
             Shape::Radius => {
-                let radius = step.seen.iter().find(|word| word.is("R") && word.text != "R0")?.value?;
+                let radius = step.seen.iter().find(|word| word.is("R") && !word.is_off())?.value?;
                 let to = to(false)?;
                 contour::arc(from, to, contour::center_by_radius(from, to, radius, clockwise()?)?, clockwise()?)
             }
@@ -114,7 +117,7 @@ impl Walk<'_> {
     }
 
     /// A corner, for which the line before has made room.
-    pub(super) fn corner(&mut self, corner: Option<Corner>) -> Vec<String> {
+    pub(super) fn corner(&mut self, corner: Option<Corner>) -> Vec<LeftBlock> {
         let Some(corner) = corner.filter(|corner| corner.line == self.step.line) else {
             self.refuse(match self.path.heading {
                 None => "a corner needs an element before it",
@@ -126,8 +129,8 @@ impl Walk<'_> {
         self.put(&mut end, corner.to);
         let others = self.others(&["R", "", "CHF", "RND"]);
         let line = match corner.radius {
-            Some(radius) => self.by_radius(&end, radius, corner.clockwise, &others),
-            None => self.straight(&end, &others),
+            Some(radius) => self.by_radius(&end, radius, corner.clockwise, others),
+            None => self.straight(&end, others),
         };
         self.head_for(corner.heading);
         vec![line]

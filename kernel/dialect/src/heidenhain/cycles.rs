@@ -15,13 +15,15 @@ use super::eval::Evaluator;
 use super::foreign_axes::refuse_axes_of_cycle;
 use super::formula::{Kind, Name, Wrong, expected};
 use super::lex::Cursor;
+use super::moves::RAPID;
 use super::old;
 use super::patterns::Pattern;
 use super::statement::Statement;
 use super::variables::Value;
-use super::words::{Operand, Seen, Word, joined, words};
+use super::words::{LeftBlock, Operand, Seen, Word, words};
 use super::{Heidenhain, Line};
 use crate::host::{Host, Place};
+use crate::words::part;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_program::shape::Range;
@@ -63,7 +65,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
 
 /// `CYCL DEF` with the number.
 pub(super) fn head(cycle: u32) -> Word {
-    Word { name: "CYCL DEF ".into(), operand: Operand::Number(cycle.to_string().into(), f64::from(cycle)) }
+    Word::made("CYCL DEF ", Operand::Number(cycle.to_string().into(), f64::from(cycle)))
 }
 
 /// Cycles of one value, which the machine has under a name: dwell and orientation. Programs name it in the language of
@@ -82,6 +84,14 @@ fn is_parameter(word: &Word) -> bool {
     word.name.starts_with('Q') && word.name.ends_with('=')
 }
 
+/// The text of a block that has been read.
+fn text_of(host: &dyn Host, (file, at): (FileId, u32), line: &Line) -> String {
+    match &line.joined {
+        Some(joined) => joined.to_string(),
+        None => host.source(file).map_or_else(String::new, |source| part(source.line(at), line.place).into_owned()),
+    }
+}
+
 /// Parameters of a cycle alone: several, each with its value.
 pub(super) fn parameters(mut cursor: Cursor<'_>) -> Option<Vec<Word>> {
     let all = words(&mut cursor);
@@ -96,9 +106,6 @@ pub(super) fn parameter_of(name: &str) -> Option<super::formula::Name> {
 
 /// Cycles that act where they are defined.
 const ACT_AT_ONCE: [u32; 14] = [7, 8, 9, 10, 11, 13, 14, 19, 20, 26, 30, 32, 239, 247];
-
-/// A feed from which on a parameter means rapid.
-pub(super) const RAPID: f64 = 99_999.0;
 
 /// Parameters at the end of a definition in newer software, with their values if the definition omits them.
 const APPENDED: [(u32, &[(u32, f64)]); 22] = [
@@ -128,8 +135,8 @@ const APPENDED: [(u32, &[(u32, f64)]); 22] = [
 
 /// Parameters that stand as a word: MAX and FMAX are rapid, AUTO is the feed of TOOL CALL, PREDEF the value of GLOBAL
 /// DEF.
-fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&str>, global: &[(Name, f64)]) {
-    let feed = tool_feed.and_then(|feed| feed.rsplit('F').next()?.parse::<f64>().ok());
+fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&Seen>, global: &[(Name, f64)]) {
+    let feed = tool_feed.and_then(|feed| feed.value);
     let mut at = 0;
     while at + 1 < seen.len() {
         let of_global = || {
@@ -157,7 +164,8 @@ fn with_words(seen: &mut Vec<Seen>, tool_feed: Option<&str>, global: &[(Name, f6
 fn take_texts(evaluator: &mut Evaluator<'_>, seen: &mut Vec<Seen>) -> Result<(), Halt> {
     let is_text = |word: &Seen| parameter_of(&word.name).is_some_and(|name| name.kind == Kind::Text);
     while let Some(at) = seen.iter().position(|word| is_text(word) && word.value.is_none())
-        && let Some(text) = seen.get(at + 1).and_then(|word| word.text.strip_prefix('"')?.strip_suffix('"'))
+        && let Some(quoted) = seen.get(at + 1).map(Seen::own_text)
+        && let Some(text) = quoted.strip_prefix('"').and_then(|text| text.strip_suffix('"'))
         && let Some(name) = seen.get(at).and_then(|word| parameter_of(&word.name))
     {
         evaluator.assign(name, Value::Text(text.into()))?;
@@ -187,7 +195,7 @@ pub(super) struct Running {
     /// Programs and labels that run with it, 0 for none.
     pub(super) depth: usize,
     /// Feed of the program that has called it.
-    pub(super) feed: Option<String>,
+    pub(super) feed: Option<Seen>,
     /// The main program counts in inches.
     pub(super) main_in_inches: bool,
     /// Parameters that the call has changed, with their previous values.
@@ -218,11 +226,11 @@ impl Heidenhain {
         host: &mut dyn Host,
         words: &[Word],
         place: Place,
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let mut evaluator = Evaluator::new(&mut self.variables, host);
         let mut seen = evaluator.seen(words)?;
         take_texts(&mut evaluator, &mut seen)?;
-        with_words(&mut seen, self.path.rates.of_tool.as_deref(), &self.cycles.global);
+        with_words(&mut seen, self.path.rates.of_tool.as_ref(), &self.cycles.global);
         let number = seen.first().and_then(|word| word.value).unwrap_or(0.0) as u32;
         let empty = seen.iter().find(|word| parameter_of(&word.name).is_some() && word.value.is_none());
         if let Some(word) = empty.filter(|_| self.settings.cycles.contains(&number)) {
@@ -253,12 +261,12 @@ impl Heidenhain {
         }
         if matches!(number, 20 | 270 | 271) && self.settings.cycles.contains(&number) {
             self.cycles.contours.train |= number == 270;
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let mut before = self.shifts.define(host, number, &mut Vec::new());
         if self.settings.cycles.contains(&number) {
             self.cycles.defined = State { program: Some(number.to_string().into()), stored: true, ..State::default() };
-            return Ok(None);
+            return Ok(Vec::new());
         }
         if !ACT_AT_ONCE.contains(&number) {
             self.cycles.defined = State::default();
@@ -266,9 +274,8 @@ impl Heidenhain {
         let keeps = self.settings.keeps;
         let stays =
             |word: &Seen| parameter_of(&word.name).is_none() || keeps.unwrap_or_else(|| host.is_register(&word.name));
-        let left: Vec<Seen> = seen.into_iter().filter(stays).collect();
-        before.push(joined("", &left));
-        Ok(Some(before.join("\n")))
+        before.push(seen.into_iter().filter(stays).collect());
+        Ok(before)
     }
 
     /// A cycle of several lines: those that follow belong to it.
@@ -277,25 +284,31 @@ impl Heidenhain {
         host: &mut dyn Host,
         line: &Line,
         place: Place,
-    ) -> Result<Option<String>, Halt> {
-        let Statement::CyclePart { cycle, part, words, text } = &line.statement else { return Ok(None) };
+    ) -> Result<Vec<LeftBlock>, Halt> {
+        let Statement::CyclePart { cycle, part, words, text } = &line.statement else { return Ok(Vec::new()) };
         let mut all = vec![head(*cycle)];
         let mut program = None;
         let mut lines = Vec::new();
-        let mut add = |part: u32, words: &[Word], text: &str| {
+        let mut source = String::new();
+        let mut add = |part: u32, words: &[Word], text: &str, before: usize| {
             if part > 0 {
                 lines.push((part, all.len()));
-                all.extend_from_slice(words);
+                all.extend(words.iter().map(|word| word.further(before)));
                 program = text.strip_prefix("PGM").map(|name| name.trim().to_owned()).or(program.take());
             }
         };
-        add(*part, words, text);
+        add(*part, words, text, 0);
         let mut next = line.next;
         while place.as_read && next <= place.range.last {
             let Ok(more) = self.line(host, next) else { break };
             match &more.statement {
                 Statement::CyclePart { cycle: same, part, words, text } if same == cycle && *part > 0 => {
-                    add(*part, words, text);
+                    if source.is_empty() {
+                        source = text_of(host, (place.file, place.line), line);
+                    }
+                    source.push(' ');
+                    add(*part, words, text, source.len());
+                    source.push_str(&text_of(host, (place.file, next), &more));
                 }
                 Statement::Nothing => {}
                 _ => break,
@@ -305,6 +318,7 @@ impl Heidenhain {
         if next > line.next {
             host.go_to(next)?;
         }
+        self.lines.taken = Some(source).filter(|source| !source.is_empty());
         if *cycle == 12 {
             let Some(program) = program.filter(|name| !name.is_empty()) else {
                 let text = format!("cycle 12 names no program in '{}'", host.block_text());
@@ -318,7 +332,7 @@ impl Heidenhain {
                 None => program.trim_matches('"').into(),
             };
             self.cycles.defined = State { program: Some(name), ..State::default() };
-            return Ok(None);
+            return Ok(Vec::new());
         }
         if !ACT_AT_ONCE.contains(cycle) {
             self.cycles.defined = State::default();
@@ -332,14 +346,14 @@ impl Heidenhain {
         }
         if *cycle == 14 && self.settings.cycles.contains(cycle) {
             self.name_contours(host, &seen);
-            return Ok(None);
+            return Ok(Vec::new());
         }
         if self.settings.cycles.contains(cycle) {
             let ends = lines.iter().skip(1).map(|(_, begin)| *begin).chain([seen.len()]);
             let lines =
                 lines.iter().zip(ends).map(|(&(part, begin), end)| (part, seen.get(begin..end).unwrap_or_default()));
             self.define_old(*cycle, lines);
-            return Ok(None);
+            return Ok(Vec::new());
         }
         refuse_axes_of_cycle(host, *cycle, &seen)?;
         if let Some((_, name)) = VALUES.iter().find(|(of, _)| of == cycle) {
@@ -350,12 +364,12 @@ impl Heidenhain {
         }
         let mut before = self.shifts.define(host, *cycle, &mut seen);
         if *cycle == 19
-            && let Some(plane) = self.plane_cycle(host, &seen)
+            && let Some(blocks) = self.plane_cycle(host, &seen)
         {
-            return Ok(Some(plane));
+            return Ok(blocks);
         }
-        before.push(joined("", &seen));
-        Ok(Some(before.join("\n")))
+        before.push(seen);
+        Ok(before)
     }
 
     /// A cycle of several lines that is a program, with the values of its lines.
@@ -367,7 +381,7 @@ impl Heidenhain {
     /// GLOBAL DEF: sets the values of PREDEF in later definitions.
     pub(super) fn define_globally(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<(), Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
-        with_words(&mut seen, self.path.rates.of_tool.as_deref(), &[]);
+        with_words(&mut seen, self.path.rates.of_tool.as_ref(), &[]);
         for word in seen {
             let (Some(name), Some(value)) = (parameter_of(&word.name), word.value) else { continue };
             self.cycles.global.retain(|(of, _)| *of != name);

@@ -14,9 +14,9 @@ use counterpoint_motion::contour::shifted::rounded;
 
 use super::Heidenhain;
 use super::clearing::{Blocks, levels, within_reason};
-use super::cycles::RAPID;
-use super::path::actual;
-use super::words::{Seen, shown};
+use super::moves::{Along, Moves, RAPID};
+use super::path::{AXES, actual};
+use super::words::Seen;
 use crate::host::Host;
 
 /// How far a chord may lie off its arc, millimetres.
@@ -29,7 +29,7 @@ const PASSES: u32 = 100;
 #[derive(Debug, Clone)]
 pub(super) struct Unrolled {
     /// Letter of the rotary axis.
-    rotary: String,
+    rotary: &'static str,
     /// Letters of the axes along the cylinder and across it.
     along: &'static str,
     across: &'static str,
@@ -68,14 +68,14 @@ impl Unrolled {
     pub(super) fn words(&mut self, seen: &mut [Seen]) {
         let bare = |name: &str| name.strip_prefix('I').filter(|rest| !rest.is_empty()).unwrap_or(name).to_owned();
         let is = |word: &Seen, letter: &str| word.value.is_some() && bare(&word.name) == letter;
-        if self.by_name.is_none() && seen.iter().any(|word| is(word, "X") || is(word, "Y") || is(word, &self.rotary)) {
-            self.by_name = Some(seen.iter().any(|word| is(word, &self.rotary)));
+        if self.by_name.is_none() && seen.iter().any(|word| is(word, "X") || is(word, "Y") || is(word, self.rotary)) {
+            self.by_name = Some(seen.iter().any(|word| is(word, self.rotary)));
         }
         for word in seen {
             let Some(mut value) = word.value else { continue };
             let mut name = word.name.to_string();
             if self.by_name == Some(true) {
-                let to = if is(word, &self.rotary) {
+                let to = if is(word, self.rotary) {
                     "X"
                 } else if is(word, self.along) {
                     "Y"
@@ -180,7 +180,7 @@ fn round_the_end(foot: Spot, heading: Spot, side: f64, amount: f64) -> Move {
 
 /// Blocks around a cylinder.
 struct Round<'a> {
-    blocks: Blocks<'a>,
+    blocks: Blocks,
     unrolled: &'a Unrolled,
     /// Way of a degree of the table on the surface, and a unit of the program, geometry units.
     degree: f64,
@@ -189,17 +189,14 @@ struct Round<'a> {
 }
 
 impl Round<'_> {
-    fn at(&self, (foot, by): Stand) -> String {
-        let Unrolled { along, across, sense, round, .. } = self.unrolled;
-        let place = shown(sense * (foot[1] + by[1]) / self.unit);
-        let beside = shown(round * by[0] / self.unit);
-        format!("{along}{place} {across}{beside}")
+    fn at(&self, (foot, by): Stand) -> [Along; 2] {
+        let &Unrolled { along, across, sense, round, .. } = self.unrolled;
+        [(along, sense * (foot[1] + by[1]) / self.unit), (across, round * by[0] / self.unit)]
     }
 
     fn go(&mut self, stand: Stand, feed: f64) {
-        let at = self.at(stand);
-        let angle = shown(stand.0[0] / self.degree);
-        self.blocks.words(&format!("{at} {}{angle} R0", self.unrolled.rotary), feed);
+        let to = self.at(stand).into_iter().chain([(self.unrolled.rotary, stand.0[0] / self.degree)]);
+        self.blocks.moves.line(to, true, feed);
         self.stands = stand;
     }
 
@@ -214,7 +211,7 @@ impl Round<'_> {
                 // The axes along and across have the same relation to each other as on the surface.
                 let (center, to) = (self.at((*foot, arc.center)), (*foot, *to));
                 let end = self.at(to);
-                self.blocks.round(&center, &end, arc.sweep < 0.0, feed);
+                self.blocks.moves.circle(center, end, arc.sweep < 0.0, feed);
                 self.stands = to;
             }
         }
@@ -240,7 +237,10 @@ impl Heidenhain {
         if self.shifts.mirror_bits() != 0 || (0..3).any(|axis| self.shifts.factor(axis) != Some(1.0)) {
             return Err("a cylinder that is mirrored or scaled (cycles 8, 11, 26) is not emulated".to_owned());
         }
-        let Some((rotary, direction)) = host.part_table() else {
+        let table = host.part_table();
+        let named =
+            |(name, direction): &(String, [f64; 3])| Some((AXES.into_iter().find(|axis| axis == name)?, *direction));
+        let Some((rotary, direction)) = table.as_ref().and_then(named) else {
             return Err("a cylinder needs a rotary table that carries the part, without M128".to_owned());
         };
         let letters = self.plane_letters();
@@ -265,7 +265,7 @@ impl Heidenhain {
     }
 
     /// The blocks of a cylinder cycle.
-    pub(super) fn round_cylinder(&self, host: &dyn Host, cycle: u32) -> Result<Vec<String>, String> {
+    pub(super) fn round_cylinder(&self, host: &dyn Host, cycle: u32) -> Result<Moves, String> {
         let Some(unrolled) = &self.cycles.contours.unrolled else {
             return Err("the contour is not unrolled".to_owned());
         };
@@ -305,7 +305,7 @@ impl Heidenhain {
         round.go(passes.start, RAPID);
         round.blocks.rise_to(clear, RAPID);
         if !self.units.rotary_length {
-            round.blocks.lines.push("M116".to_owned());
+            round.blocks.moves.function(116);
         }
         for (place, level) in all.iter().enumerate() {
             if place > 0 && passes.rises {
@@ -318,9 +318,9 @@ impl Heidenhain {
         round.follow(&passes.again, feed);
         round.blocks.rise_to(before.max(clear), RAPID);
         if !self.units.rotary_length {
-            round.blocks.lines.push("M117".to_owned());
+            round.blocks.moves.function(117);
         }
-        Ok(round.blocks.lines)
+        Ok(round.blocks.moves)
     }
 
     /// Cycle 27.

@@ -14,8 +14,8 @@ use counterpoint_motion::lettering;
 
 use super::Heidenhain;
 use super::clearing::{Blocks, levels, within_reason};
-use super::cycles::RAPID;
 use super::formula::{Kind, Name};
+use super::moves::{Moves, RAPID};
 use super::path::actual;
 use super::variables::Value;
 use crate::host::Host;
@@ -165,7 +165,7 @@ impl Heidenhain {
     }
 
     /// The blocks of cycle 225.
-    pub(super) fn engrave(&self, host: &mut dyn Host) -> Result<Vec<String>, String> {
+    pub(super) fn engrave(&self, host: &mut dyn Host) -> Result<Moves, String> {
         let Some(Value::Text(text)) = self.variables.get(TEXT) else {
             return Err("cycle 225 has no text QS500".to_owned());
         };
@@ -217,6 +217,6 @@ impl Heidenhain {
         if self.sl(204) > self.sl(200) {
             blocks.rise_to(self.sl(203) + self.sl(204), RAPID);
         }
-        Ok(blocks.lines)
+        Ok(blocks.moves)
     }
 }

@@ -14,6 +14,10 @@ use crate::host::Host;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
+/// M functions of feeds per revolution and per minute.
+const PER_TURN: u16 = 136;
+const PER_MINUTE: u16 = 137;
+
 /// Units of a program and of its feeds.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Units {
@@ -60,8 +64,8 @@ impl Units {
     }
 
     /// The M function that an F word means.
-    fn of_feed(self) -> &'static str {
-        if self.per_turn { "M136" } else { "M137" }
+    fn of_feed(self) -> u16 {
+        if self.per_turn { PER_TURN } else { PER_MINUTE }
     }
 }
 
@@ -77,7 +81,7 @@ impl Heidenhain {
             let Some(value) = word.value else { continue };
             let value = match &*word.name {
                 "F" if self.units.used => {
-                    word.text = format!("{} {}", self.units.of_feed(), word.text);
+                    word.function = Some(self.units.of_feed());
                     continue;
                 }
                 "FU" if !host.is_register("FU") => value,
@@ -89,7 +93,7 @@ impl Heidenhain {
                 return Err(host.alarm(&diag::NO_FEED_PER_TURN, text));
             }
             self.begin_units();
-            *word = Seen { name: "F".into(), value: Some(value), text: format!("M136 F{}", shown(value)) };
+            *word = Seen { function: Some(PER_TURN), span: word.span, ..Seen::made("F", value) };
         }
         Ok(())
     }
@@ -100,7 +104,7 @@ impl Heidenhain {
         host: &mut dyn Host,
         shape: Shape,
         seen: &[Seen],
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Option<Seen>, Halt> {
         if !shape.is_arc() || !seen.iter().any(|word| word.is("FMAX")) {
             return Ok(None);
         }
@@ -108,7 +112,7 @@ impl Heidenhain {
     }
 
     /// The F word of a circle at rapid.
-    pub(super) fn circle_rate(&self, host: &mut dyn Host) -> Result<String, Halt> {
+    pub(super) fn circle_rate(&self, host: &mut dyn Host) -> Result<Seen, Halt> {
         if self.units.per_turn {
             let text =
                 format!("a circle at rapid under M136 is not emulated in '{}'; program M137 before", host.block_text());
@@ -117,7 +121,7 @@ impl Heidenhain {
         let rates = self.plane_letters().map(|letter| host.rapid_rate(letter));
         let rate = rates.into_iter().flatten().fold(f64::INFINITY, f64::min);
         let per_minute = if self.units.inches { host.length_factor() / 10.0 } else { 1.0 };
-        Ok(if rate.is_finite() { format!("F{}", shown(rate / per_minute)) } else { FASTEST.to_owned() })
+        Ok(Seen::made("F", if rate.is_finite() { rate / per_minute } else { FASTEST }))
     }
 
     /// Feeds that are kept have the unit that they had.
@@ -126,7 +130,7 @@ impl Heidenhain {
             return;
         }
         for feed in [&mut self.path.rates.last, &mut self.path.rates.of_tool].into_iter().flatten() {
-            *feed = format!("{} {feed}", self.units.of_feed());
+            feed.function = Some(self.units.of_feed());
         }
     }
 

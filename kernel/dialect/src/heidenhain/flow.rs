@@ -13,6 +13,7 @@ use super::formula::Formula;
 use super::lex;
 use super::statement::{self, Label, Statement};
 use super::variables::Value;
+use super::words::{LeftBlock, headed};
 use crate::host::{Call, Host};
 use crate::search::{Labels, Search};
 use counterpoint_event::FileId;
@@ -145,14 +146,14 @@ impl Heidenhain {
     }
 
     /// END PGM: a code of the machine if it has one, otherwise the end of the program or the return of a called one.
-    pub(super) fn end_program(&mut self, host: &mut dyn Host) -> Result<Option<String>, Halt> {
+    pub(super) fn end_program(&mut self, host: &mut dyn Host) -> Result<Vec<LeftBlock>, Halt> {
         if self.variables.calls.depth() > 0 {
             let unit = self.unit_of_caller(host);
             host.return_from();
-            return Ok(unit);
+            return Ok(unit.into_iter().collect());
         }
         if host.is_code_text("END PGM") {
-            return Ok(Some("END PGM".to_owned()));
+            return Ok(vec![headed("END PGM", [])]);
         }
         Err(Halt::ProgramEnd(None))
     }

@@ -34,6 +34,6 @@ pub(super) fn refuse_axes_of_cycle(host: &mut dyn Host, cycle: u32, seen: &[Seen
 fn refuse(host: &mut dyn Host, statement: &str, seen: &[Seen], foreign: fn(usize) -> bool) -> Result<(), Halt> {
     let is_foreign = |word: &&Seen| word.value.is_some() && axis(&word.name).is_some_and(|(at, _)| foreign(at));
     let Some(word) = seen.iter().find(is_foreign) else { return Ok(()) };
-    let text = format!("{statement} takes no word {} in '{}'", word.text, host.block_text());
+    let text = format!("{statement} takes no word {} in '{}'", word.own_text(), host.block_text());
     Err(host.alarm(&diag::STATEMENT_UNKNOWN, text))
 }

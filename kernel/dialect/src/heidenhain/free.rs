@@ -8,6 +8,7 @@
 
 use super::choices::exit_angle;
 use super::path::{Position, Shape, Step, Walk};
+use super::words::LeftBlock;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
@@ -68,12 +69,12 @@ struct Arc {
 
 /// A value of a step.
 pub(super) fn of_step(step: &Step, name: &str) -> Option<f64> {
-    step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
+    step.seen.iter().find(|word| word.is(name) && !word.is_off()).and_then(|word| word.value)
 }
 
 /// The direction of rotation of a step.
 pub(super) fn sense_of(step: &Step) -> Option<bool> {
-    step.seen.iter().find(|word| word.is("DR") && word.value.is_none()).map(|word| word.text == "DR-")
+    step.seen.iter().find(|word| word.is("DR") && word.value.is_none()).map(|word| word.turns() == Some(true))
 }
 
 /// Where a ray meets a line through a point; none behind its start.
@@ -97,7 +98,7 @@ impl Walk<'_> {
     }
 
     /// FPOL.
-    pub(super) fn free_pole(&mut self) -> Vec<String> {
+    pub(super) fn free_pole(&mut self) -> Vec<LeftBlock> {
         let to = self.flat(&self.target());
         self.path.free.pole = Some(to);
         Vec::new()
@@ -154,7 +155,7 @@ impl Walk<'_> {
 
     /// The end that the block says by coordinates, about the pole, or by closing the contour.
     fn free_end(&mut self) -> Option<Position> {
-        if self.step.seen.iter().any(|word| word.text == "CLSD-")
+        if self.step.seen.iter().any(|word| word.reads("CLSD-"))
             && let Some(begin) = self.path.free.begins
         {
             let mut end = self.start;
@@ -206,7 +207,7 @@ impl Walk<'_> {
 
     /// CLSD+ begins a contour that CLSD- closes.
     fn note_begin(&mut self) {
-        if self.step.seen.iter().any(|word| word.text == "CLSD+") {
+        if self.step.seen.iter().any(|word| word.reads("CLSD+")) {
             self.path.free.begins = Some(self.flat(&self.start));
         }
     }
@@ -339,7 +340,7 @@ impl Walk<'_> {
     }
 
     /// FL and FLT.
-    pub(super) fn free_line(&mut self, tangent: bool) -> Result<Vec<String>, Halt> {
+    pub(super) fn free_line(&mut self, tangent: bool) -> Result<Vec<LeftBlock>, Halt> {
         self.note_begin();
         let start = self.flat(&self.start);
         let way = match self.begins(tangent) {
@@ -375,7 +376,7 @@ impl Walk<'_> {
             self.put(&mut stop, corner);
             self.path.base = Some(end);
         }
-        let line = self.straight(&stop, &self.others(&LINE));
+        let line = self.straight(&stop, self.others(&LINE));
         self.head_for(minus(self.flat(&end), start));
         self.ends_at(self.flat(&end));
         self.path.round = false;
@@ -396,7 +397,7 @@ impl Walk<'_> {
     }
 
     /// FC and FCT.
-    pub(super) fn free_arc(&mut self, tangent: bool) -> Result<Vec<String>, Halt> {
+    pub(super) fn free_arc(&mut self, tangent: bool) -> Result<Vec<LeftBlock>, Halt> {
         if self.asks_more() {
             return Err(self.not_determined());
         }
@@ -461,7 +462,7 @@ impl Walk<'_> {
     }
 
     /// An arc about a centre in pieces by their radius.
-    fn arc_about(&mut self, arc: &Arc, from: f64, clockwise: bool) -> Vec<String> {
+    fn arc_about(&mut self, arc: &Arc, from: f64, clockwise: bool) -> Vec<LeftBlock> {
         let signed = |turn: f64| if clockwise { -turn } else { turn };
         let mut end = arc.end.unwrap_or(self.target());
         if arc.end.is_none() {
@@ -484,7 +485,7 @@ impl Walk<'_> {
                 last = stop;
             }
             let others = if lines.is_empty() { self.others(&ARC) } else { Vec::new() };
-            lines.push(self.by_radius(&last, arc.radius, clockwise, &others));
+            lines.push(self.by_radius(&last, arc.radius, clockwise, others));
         }
         self.path.base = corner.map(|_| end);
         self.leave_circle(arc.center, to, clockwise);

@@ -6,7 +6,7 @@
 use super::formula::{self, Formula, Name, Op, Own, Wrong, expected, parameter, with};
 use super::lex::Cursor;
 use super::statement::{Condition, Statement, Test, target};
-use super::words::words;
+use super::words::{MADE, Word, words};
 use crate::numeric::{Function, Operator};
 use crate::statement::{ALARM, Shared};
 
@@ -103,7 +103,8 @@ fn ended(statement: Statement, cursor: &mut Cursor<'_>) -> Result<Statement, Wro
 }
 
 fn foreign(head: &str, cursor: &mut Cursor<'_>) -> Statement {
-    let mut all = words(&mut Cursor::new(head));
+    let head = words(&mut Cursor::new(head)).into_iter();
+    let mut all: Vec<Word> = head.map(|word| Word { span: MADE, ..word }).collect();
     all.extend(words(cursor));
     Statement::Foreign(all)
 }

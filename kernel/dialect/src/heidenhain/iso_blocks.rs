@@ -12,7 +12,7 @@ use super::formula::{self, Formula, Own};
 use super::lex::Cursor;
 use super::path::{Shape, axis};
 use super::statement::{Call, Statement};
-use super::words::{Operand, Seen, Word, shown};
+use super::words::{LeftBlock, Operand, Seen, Word, shown};
 use super::{Heidenhain, Line, iso_cycles};
 use crate::host::{Host, Place};
 use counterpoint_event::FileId;
@@ -40,15 +40,15 @@ fn is_mode(g: u32) -> bool {
 }
 
 fn bare(name: &str) -> Word {
-    Word { name: name.into(), operand: Operand::None }
+    Word::made(name, Operand::None)
 }
 
 fn valued(name: &str, value: f64) -> Word {
-    Word { name: name.into(), operand: Operand::Number(shown(value).into(), value) }
+    Word::made(name, Operand::Number(shown(value).into(), value))
 }
 
 fn renamed(word: &Word, name: &str) -> Word {
-    Word { name: name.into(), operand: word.operand.clone() }
+    Word { span: word.span, ..Word::made(name, word.operand.clone()) }
 }
 
 fn has_value(word: &Word) -> bool {
@@ -151,7 +151,7 @@ impl Modes {
             made.push(name.map_or_else(|| word.clone(), |name| renamed(word, &name)));
         }
         if matches!(shape, Shape::Arc | Shape::Radius | Shape::PolarArc) {
-            made.push(Word { name: "DR".into(), operand: Operand::Sign(if self.clockwise { '-' } else { '+' }) });
+            made.push(Word::made("DR", Operand::Sign(if self.clockwise { '-' } else { '+' })));
         }
         made.extend(compensation);
         if matches!(mode, 0 | 10) {
@@ -209,7 +209,7 @@ impl Heidenhain {
         words: &[Word],
         line: &Line,
         place: Place,
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let Some((numbers, others)) = split(words) else { return Err(self.not_understood(host)) };
         let mut functions = numbers.iter().copied().filter(|number| !is_mode(*number));
         let (function, further) = (functions.next(), functions.next());
@@ -254,7 +254,7 @@ impl Heidenhain {
                 shape => self.path(host, (shape, false, &words), line, place)?,
             });
         }
-        Ok(if blocks.is_empty() { None } else { Some(blocks.join("\n")) })
+        Ok(blocks)
     }
 
     /// A block with a G word that is not a path mode.
@@ -265,7 +265,7 @@ impl Heidenhain {
         others: Vec<Word>,
         line: &Line,
         place: Place,
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let increments = self.modes.increments;
         let is_foreign = |word: &Word| has_value(word) && axis(&word.name).is_some();
         if matches!(function, 4 | 36 | 51 | 62 | 72 | 73 | 99) && others.iter().any(is_foreign) {
@@ -276,7 +276,7 @@ impl Heidenhain {
         };
         let (cycle, words): (u32, Vec<Word>) = match function {
             // The blank.
-            30 | 31 => return Ok(None),
+            30 | 31 => return Ok(Vec::new()),
             4 => (9, of("F", "DWELL")),
             36 => (13, of("S", "ANGLE")),
             72 => (11, of("F", "SCL")),
@@ -314,7 +314,8 @@ impl Heidenhain {
             _ => return Err(self.not_understood(host)),
         };
         let statement = Statement::CyclePart { cycle, part: 1, words, text: String::new() };
-        self.define_by_parts(host, &Line { number: line.number, statement, next: line.next }, place)
+        let line = Line { number: line.number, statement, place: line.place, joined: None, next: line.next };
+        self.define_by_parts(host, &line, place)
     }
 
     fn values_of(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<(u32, f64)>, Halt> {
@@ -322,7 +323,7 @@ impl Heidenhain {
     }
 
     /// A cycle whose values have numbers.
-    fn old_iso_cycle(&mut self, host: &mut dyn Host, function: u32, others: &[Word]) -> Result<Option<String>, Halt> {
+    fn old_iso_cycle(&mut self, host: &mut dyn Host, function: u32, others: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
         let Some((cycle, lines)) = iso_cycles::lines(function) else { return Err(self.not_understood(host)) };
         if !self.settings.cycles.contains(&cycle) {
             return Err(self.not_understood(host));
@@ -330,7 +331,7 @@ impl Heidenhain {
         let seen = super::eval::Evaluator::new(&mut self.variables, host).seen(others)?;
         let lines: Vec<(u32, Vec<Seen>)> = iso_cycles::filled(lines, &seen);
         self.define_old(cycle, lines.iter().map(|(number, words)| (*number, words.as_slice())));
-        Ok(None)
+        Ok(Vec::new())
     }
 
     /// Number of the cycle that a G word of an ISO program defines: G200 is cycle 200, G120 is cycle 20.

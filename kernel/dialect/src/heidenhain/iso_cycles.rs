@@ -57,10 +57,9 @@ pub(super) fn lines(function: u32) -> Option<(u32, Lines)> {
 
 /// The lines with the values of a block.
 pub(super) fn filled(lines: Lines, seen: &[Seen]) -> Vec<(u32, Vec<Seen>)> {
-    let turn = |text: &str| Seen { name: "DR".into(), value: None, text: text.to_owned() };
     let word = |item: &Item| match *item {
-        Clockwise => Some(turn("DR-")),
-        Counterclockwise => Some(turn("DR+")),
+        Clockwise => Some(Seen::turn(true)),
+        Counterclockwise => Some(Seen::turn(false)),
         Value(number) => numbered(seen, number).map(|(name, value)| Seen::made(name, value)),
         Feed(number) => numbered(seen, number).map(|(_, value)| Seen::made("F", value)),
         Radius(number) => numbered(seen, number).map(|(_, value)| Seen::made("RADIUS", value)),

@@ -10,7 +10,7 @@ use counterpoint_fault::Halt;
 use super::iso_blocks::Element;
 use super::path::Shape;
 use super::statement::Statement;
-use super::words::{Operand, Word, shown};
+use super::words::{LeftBlock, Operand, Word, shown};
 use super::{Heidenhain, Line};
 use crate::contour::PathShape;
 use crate::host::{Host, Place};
@@ -80,7 +80,7 @@ impl Heidenhain {
         host: &mut dyn Host,
         function: u32,
         others: &[Word],
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let [word] = others else { return Err(self.not_understood(host)) };
         let softened = std::mem::take(&mut self.modes.softened);
         if !is_radius(word) || function == 26 && !softened {
@@ -90,6 +90,6 @@ impl Heidenhain {
             let seen = super::eval::Evaluator::new(&mut self.variables, host).seen(others)?;
             self.modes.leaves = seen.iter().find(|word| word.is("R")).and_then(|word| word.value);
         }
-        Ok(None)
+        Ok(Vec::new())
     }
 }

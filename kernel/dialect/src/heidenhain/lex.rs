@@ -15,6 +15,8 @@ pub(super) struct Clean {
     pub(super) number: Option<u32>,
     /// The rest, empty if there is nothing to do.
     pub(super) text: String,
+    /// Where the rest begins in the line.
+    pub(super) start: usize,
     /// The next line belongs to it.
     pub(super) continues: bool,
     /// It has nothing to do because it is a comment or is skipped.
@@ -56,6 +58,8 @@ pub(super) fn clean(raw: &[u8], skips: &dyn Fn(Option<u8>) -> bool) -> Clean {
     }
     let rest = rest.strip_suffix('*').map_or(rest, str::trim_end);
     block.text = capitals(rest);
+    // The rest is a part of the line.
+    block.start = (rest.as_ptr() as usize).saturating_sub(raw.as_ptr() as usize);
     block
 }
 
@@ -102,6 +106,11 @@ impl<'t> Cursor<'t> {
     /// The rest.
     pub(super) fn rest(&self) -> &'t str {
         self.text.get(self.at..).unwrap_or_default()
+    }
+
+    /// Where it is in the text.
+    pub(super) fn place(&self) -> usize {
+        self.at
     }
 
     /// Column for messages, from 1.

@@ -12,7 +12,7 @@ use counterpoint_fault::Halt;
 
 use super::Heidenhain;
 use super::path::axis;
-use super::words::{Seen, joined};
+use super::words::{LeftBlock, Seen};
 use crate::host::Host;
 
 /// Letters of rotary axes, as the register of M94 counts them from 1.
@@ -30,7 +30,7 @@ fn behind(seen: &mut Vec<Seen>, at: usize, own: impl Fn(&Seen) -> bool) -> Vec<S
 
 impl Heidenhain {
     /// Takes the own words of M functions off a block; the blocks that come before it.
-    pub(super) fn function_words(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>) -> Result<Vec<String>, Halt> {
+    pub(super) fn function_words(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>) -> Result<Vec<LeftBlock>, Halt> {
         let mut before = Vec::new();
         let place = |seen: &[Seen], number: f64| seen.iter().position(|word| is_function(word, number));
         if let Some(at) = place(seen, 94.0).filter(|_| host.is_register("BELOW")) {
@@ -38,9 +38,8 @@ impl Heidenhain {
             if !axes.is_empty() {
                 let function = seen.remove(at);
                 let numbers = ROTARY.iter().zip(1_u8..).filter(|(letter, _)| axes.iter().any(|word| word.is(letter)));
-                before.extend(
-                    numbers.map(|(_, number)| joined("", &[function.clone(), Seen::made("BELOW", f64::from(number))])),
-                );
+                before
+                    .extend(numbers.map(|(_, number)| vec![function.clone(), Seen::made("BELOW", f64::from(number))]));
             }
         }
         if let Some(at) = place(seen, 103.0).filter(|_| host.is_register("DOWN"))

@@ -32,9 +32,11 @@ mod iso;
 mod iso_blocks;
 mod iso_cycles;
 mod iso_ends;
+mod left;
 mod lex;
 mod m_words;
 mod models;
+mod moves;
 mod old;
 mod path;
 mod patterns;
@@ -68,6 +70,7 @@ use super::host::Host;
 use super::interpreter::{Interpreter, MadeBlocks, Remaining, Setting};
 use crate::kept::{Kept, Tables};
 use crate::search::Labels;
+use crate::words::{Span, span};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_program::shape::Range;
@@ -87,6 +90,10 @@ const CONTINUED: u32 = 1000;
 struct Line {
     number: Option<u32>,
     statement: Statement,
+    /// Where its text is in the line, or in the text of its lines.
+    place: Span,
+    /// The text of a block of several lines.
+    joined: Option<Box<str>>,
     /// Line after the last one of the block.
     next: u32,
 }
@@ -102,6 +109,8 @@ struct ReadLines {
     kept: Kept<Line>,
     /// The last two lines: a path block reads the lines after it before they run.
     recent: [Option<PlacedLine>; 2],
+    /// The text of the lines that belong to the statement in process, if it has taken further blocks with it.
+    taken: Option<String>,
 }
 
 impl ReadLines {
@@ -143,6 +152,7 @@ pub(crate) struct Heidenhain {
     planes: planes::Planes,
     lines: ReadLines,
     labels: Tables<FileId, Labels<statement::Label>>,
+    meanings: left::Meanings,
 }
 
 /// Files that statements have selected for later ones.
@@ -202,7 +212,12 @@ impl Heidenhain {
             next += 1;
         }
         let statement = statement::read(&clean.text).map_err(|wrong| format!("{wrong} of '{}'", clean.text))?;
-        Ok((Line { number: clean.number, statement, next }, clean.marked))
+        let length = clean.text.len();
+        let joins = next > line + 1 && !clean.text.is_empty();
+        let start = if joins { 0 } else { clean.start };
+        let joined = joins.then(|| clean.text.into_boxed_str());
+        let place = span(start, start + length);
+        Ok((Line { number: clean.number, statement, place, joined, next }, clean.marked))
     }
 
     /// A block whose text is not that of its line.
@@ -215,6 +230,7 @@ impl Heidenhain {
 impl Interpreter for Heidenhain {
     fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         self.calling = None;
+        self.lines.taken = None;
         self.plane_angles(host);
         let place = host.place();
         let read = match place.as_read {
@@ -228,12 +244,12 @@ impl Interpreter for Heidenhain {
         if place.as_read && line.next > place.line + 1 {
             host.go_to(line.next)?;
         }
-        let left = self.carry_out(host, &line, place)?;
-        let Some(left) = left.filter(|left| !left.trim().is_empty()) else { return Ok(Remaining::Nothing) };
-        match line.number.filter(|_| host.is_register("N")) {
-            Some(number) => Ok(Remaining::Text(format!("N{number} {left}"))),
-            None => Ok(Remaining::Text(left)),
+        if let Statement::Contour(what) = &line.statement {
+            let moves = self.contour_statement(host, what, place)?;
+            return Ok(left::leave(self, host, &line, moves.blocks()));
         }
+        let left = self.carry_out(host, &line, place)?;
+        Ok(left::leave(self, host, &line, left))
     }
 
     fn restart(&mut self, reset: bool) {

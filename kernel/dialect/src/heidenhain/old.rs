@@ -62,7 +62,8 @@ pub(super) fn data<'s>(cycle: u32, lines: impl Iterator<Item = (u32, &'s [Seen])
                 _ if word.value.is_none() => None,
                 _ => by_line.next(),
             };
-            let value = if word.is("DR") { Some(if word.text == "DR-" { -1.0 } else { 1.0 }) } else { word.value };
+            let value =
+                if word.is("DR") { Some(if word.turns() == Some(true) { -1.0 } else { 1.0 }) } else { word.value };
             if let (Some(slot), Some(value)) = (place.and_then(|place| data.get_mut(place - 1)), value) {
                 *slot = value;
             }

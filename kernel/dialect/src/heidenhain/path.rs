@@ -7,7 +7,7 @@
 use super::free::Free;
 use super::rates::Rates;
 use super::upright::Poles;
-use super::words::{Seen, joined};
+use super::words::{LeftBlock, MADE, Seen, headed};
 use crate::contour::{PathShape, Point, direction, minus};
 use crate::host::Host;
 use counterpoint_fault as diag;
@@ -17,7 +17,7 @@ use counterpoint_fault::Halt;
 pub(super) const AXES: [&str; 9] = ["X", "Y", "Z", "A", "B", "C", "U", "V", "W"];
 
 /// A feed above the rates of all axes.
-pub(super) const FASTEST: &str = "F99999";
+pub(super) const FASTEST: f64 = 99_999.0;
 
 /// A position by axis.
 pub(super) type Position = [f64; AXES.len()];
@@ -131,7 +131,7 @@ pub(super) struct Step {
     /// Number of its block.
     pub(super) number: Option<u32>,
     /// Meaning of FMAX in a circle.
-    pub(super) rapid: Option<String>,
+    pub(super) rapid: Option<Seen>,
 }
 
 /// A corner that the block before has made room for.
@@ -231,7 +231,7 @@ pub(super) fn actual(host: &dyn Host) -> Position {
 }
 
 /// Executes a path block; returns the remaining blocks.
-pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[Step]) -> Result<Vec<String>, Halt> {
+pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[Step]) -> Result<Vec<LeftBlock>, Halt> {
     let actual = actual(host);
     let start = path.base.unwrap_or(actual);
     let mut walk = Walk { path, host, step, ahead, actual, start, refused: None };
@@ -250,7 +250,7 @@ impl Walk<'_> {
         }
     }
 
-    fn lines(&mut self) -> Result<Vec<String>, Halt> {
+    fn lines(&mut self) -> Result<Vec<LeftBlock>, Halt> {
         self.note_words();
         let step = self.step;
         if step.seen.iter().any(|word| word.is("G") && matches!(word.value, Some(26.0 | 27.0))) {
@@ -288,7 +288,7 @@ impl Walk<'_> {
             Shape::FreeSelect => Vec::new(),
             Shape::FreeLine { tangent } => self.free_line(tangent)?,
             Shape::FreeArc { tangent } => self.free_arc(tangent)?,
-            Shape::Iso => vec![self.verbatim(&[])],
+            Shape::Iso => vec![self.verbatim(Vec::new())],
         })
     }
 
@@ -302,18 +302,19 @@ impl Walk<'_> {
                 ("G", Some(19.0)) => path.plane = [1, 2],
                 ("G", Some(90.0)) => path.increments = false,
                 ("G", Some(91.0)) => path.increments = true,
-                ("G", Some(40.0)) | ("R", Some(0.0)) if word.is("G") || word.text == "R0" => path.side.is_left = None,
+                ("G", Some(40.0)) | ("R", Some(0.0)) if word.is("G") || word.is_off() => path.side.is_left = None,
                 ("RL", None) | ("G", Some(41.0)) => path.side.is_left = Some(true),
                 ("RR", None) | ("G", Some(42.0)) => path.side.is_left = Some(false),
-                ("DR", None) => path.clockwise = Some(word.text == "DR-"),
+                ("DR", None) => path.clockwise = Some(word.turns() == Some(true)),
                 _ => {}
             }
         }
     }
 
     /// The block as it is, with words of the pre-processor after.
-    pub(super) fn verbatim(&mut self, more: &[Seen]) -> String {
-        let mut head = self.step.shape.head().to_owned();
+    pub(super) fn verbatim(&mut self, more: Vec<Seen>) -> LeftBlock {
+        let mut head = self.step.shape.head();
+        let mut own = None;
         let has_motion = self.step.seen.iter().any(|word| {
             word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 0..=3 | 5..=7 | 10..=16))
         });
@@ -322,27 +323,23 @@ impl Walk<'_> {
             match self.path.mode {
                 // Axis words of a conversational block without a keyword are a straight line.
                 None => head = self.line_code(),
-                Some(mode) if self.path.restate => head = format!("G{}", self.plain_mode(mode)),
+                Some(mode) if self.path.restate => own = Some(Seen::made("G", f64::from(self.plain_mode(mode)))),
                 Some(_) => {}
             }
         }
         if has_motion || moves {
             self.path.restate = false;
         }
-        let mut line = joined(&head, &self.step.seen);
-        for word in more {
-            line.push(' ');
-            line.push_str(&word.text);
-        }
-        line
+        let words = own.into_iter().chain(self.step.seen.iter().cloned()).chain(more);
+        headed(head, words)
     }
 
-    pub(super) fn line_code(&self) -> String {
+    pub(super) fn line_code(&self) -> &'static str {
         match self.step.iso && self.path.mode.is_some() {
-            true if matches!(self.path.mode, Some(0 | 10)) => "G0".to_owned(),
-            true => "G1".to_owned(),
-            false if self.host.is_code_text("L") => "L".to_owned(),
-            false => "G1".to_owned(),
+            true if matches!(self.path.mode, Some(0 | 10)) => "G0",
+            true => "G1",
+            false if self.host.is_code_text("L") => "L",
+            false => "G1",
         }
     }
 
@@ -397,7 +394,9 @@ impl Walk<'_> {
         for (at, letter) in AXES.iter().enumerate() {
             if coded.get(at) == Some(&true) || self.path.plane.contains(&at) {
                 let (Some(from), Some(to)) = (from.get(at), to.get(at)) else { continue };
-                out.push(Seen::made(letter, if self.path.increments { to - from } else { *to }));
+                let named = |word: &&Seen| word.value.is_some() && axis(&word.name).is_some_and(|(own, _)| own == at);
+                let span = self.step.seen.iter().find(named).map_or(MADE, |word| word.span);
+                out.push(Seen { span, ..Seen::made(letter, if self.path.increments { to - from } else { *to }) });
             }
         }
         out
@@ -409,18 +408,17 @@ impl Walk<'_> {
             word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 0..=3 | 5..=7 | 10..=16 | 24..=29))
         };
         let position = |word: &Seen| word.value.is_some() && axis(&word.name).is_some();
-        let is_used = |word: &Seen| used.contains(&&*word.name) || used.contains(&word.text.as_str());
+        let is_used = |word: &Seen| used.contains(&&*word.name);
         let seen = self.step.seen.iter();
         seen.filter(|word| !motion(word) && !position(word) && !is_used(word)).cloned().collect()
     }
 
     /// A straight line to a position.
-    pub(super) fn straight(&mut self, to: &Position, others: &[Seen]) -> String {
+    pub(super) fn straight(&mut self, to: &Position, others: Vec<Seen>) -> LeftBlock {
         let code = self.line_code();
         self.path.restate = true;
-        let mut words = self.positions(&self.actual, to);
-        words.extend_from_slice(others);
-        joined(&code, &words)
+        let words = self.positions(&self.actual, to);
+        headed(code, words.into_iter().chain(others))
     }
 
     pub(super) fn head_for(&mut self, vector: Point) {
@@ -429,7 +427,7 @@ impl Walk<'_> {
         }
     }
 
-    fn line(&mut self) -> Vec<String> {
+    fn line(&mut self) -> Vec<LeftBlock> {
         let end = self.target();
         let (start, to) = (self.flat(&self.start), self.flat(&end));
         let base = self.path.base.take();
@@ -439,20 +437,20 @@ impl Walk<'_> {
                 let mut short = end;
                 self.put(&mut short, corner_start);
                 self.path.base = Some(end);
-                self.straight(&short, &self.others(&[]))
+                self.straight(&short, self.others(&[]))
             }
-            None if base.is_some() && self.has_increments() => self.straight(&end, &self.others(&[])),
-            None => self.verbatim(&[]),
+            None if base.is_some() && self.has_increments() => self.straight(&end, self.others(&[])),
+            None => self.verbatim(Vec::new()),
         };
         self.head_for(minus(to, start));
         self.ends_at(to);
         self.path.round = false;
         let mut line = line;
         if std::mem::take(&mut self.path.side.ends)
-            && !self.step.seen.iter().any(|word| word.is("RL") || word.is("RR") || word.text == "R0")
+            && !self.step.seen.iter().any(|word| word.is("RL") || word.is("RR") || word.is_off())
             && !self.step.iso
         {
-            line.push_str(" R0");
+            line.push(Seen::text("R0"));
         }
         vec![line]
     }

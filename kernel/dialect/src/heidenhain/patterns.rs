@@ -14,7 +14,7 @@ use super::calls::{SECOND_CLEARANCE, Way};
 use super::eval::Evaluator;
 use super::formula::{Kind, Name};
 use super::path::{AXES, actual};
-use super::words::{Seen, Word, shown};
+use super::words::{LeftBlock, Seen, Word, headed};
 use crate::contour::{Point, along, towards};
 use crate::host::{Host, Place};
 use counterpoint_event::FileId;
@@ -174,8 +174,8 @@ struct Journey<'s> {
     /// Functions of the block.
     functions: &'s [Seen],
     of_cycle: bool,
-    /// The path to each point except the first is a circle: the block of the centre, and the text after the point.
-    round: Option<[String; 2]>,
+    /// The path to each point except the first is a circle: the block of the centre, and the words after the point.
+    round: Option<[LeftBlock; 2]>,
 }
 
 impl Heidenhain {
@@ -227,7 +227,7 @@ impl Heidenhain {
         program: &str,
         seen: &[Seen],
         place: Place,
-    ) -> Result<Option<Vec<String>>, Halt> {
+    ) -> Result<Option<Vec<LeftBlock>>, Halt> {
         let way = Way::of(host, seen);
         let clearances = [self.second_clearance(); 2];
         self.next_point(
@@ -243,7 +243,7 @@ impl Heidenhain {
         host: &mut dyn Host,
         number: u32,
         place: Place,
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let Some(program) = self.cycles.defined.program.clone() else {
             let text = format!("no cycle is defined for the points of '{}'; define one before it", host.block_text());
             return Err(host.alarm(&diag::STATEMENT_UNKNOWN, text));
@@ -267,7 +267,7 @@ impl Heidenhain {
         let way = Way::of(host, &[]);
         let journey =
             Journey { program: &program, way, clearances, stays_low: low, functions: &[], of_cycle: true, round };
-        Ok(self.next_point(host, &journey, place)?.map(|blocks| blocks.join("\n")))
+        Ok(self.next_point(host, &journey, place)?.unwrap_or_default())
     }
 
     /// A Q parameter of the program.
@@ -292,13 +292,12 @@ impl Heidenhain {
     }
 
     /// The path from point to point of cycle 220 on the circle itself: its centre, its angle, and its feed.
-    fn round_the_circle(&self, host: &mut dyn Host) -> Result<[String; 2], Halt> {
+    fn round_the_circle(&self, host: &mut dyn Host) -> Result<[LeftBlock; 2], Halt> {
         let [first, second] = self.plane_letters();
         let [first_angle, last_angle, step] = [245, 246, 247].map(|index| self.q(index));
         let turns = if step == 0.0 { last_angle - first_angle } else { step };
-        let center = format!("CC {first}{} {second}{}", shown(self.q(216)), shown(self.q(217)));
-        let sense = if turns < 0.0 { "DR-" } else { "DR+" };
-        Ok([center, format!("{sense} {}", self.circle_rate(host)?)])
+        let center = headed("CC", [Seen::made(first, self.q(216)), Seen::made(second, self.q(217))]);
+        Ok([center, vec![Seen::turn(turns < 0.0), self.circle_rate(host)?]])
     }
 
     /// Points of cycle 221.
@@ -315,7 +314,7 @@ impl Heidenhain {
         host: &mut dyn Host,
         journey: &Journey<'_>,
         place: Place,
-    ) -> Result<Option<Vec<String>>, Halt> {
+    ) -> Result<Option<Vec<LeftBlock>>, Halt> {
         let along = self.variables.control.tool_axis.unwrap_or(2);
         let stands = actual(host).get(along).copied().unwrap_or(0.0);
         let here = (place.file, place.line);
@@ -333,23 +332,20 @@ impl Heidenhain {
         let way = &journey.way;
         let mut blocks = Vec::new();
         if stands < safe {
-            blocks.push(way.block(&format!("{}{}", self.tool_letter(), shown(safe)), true));
+            blocks.push(way.block([Seen::made(self.tool_letter(), safe)], true));
         }
         let [first, second] = self.plane_letters();
-        let mut words = format!("{first}{} {second}{}", shown(spot.at[0]), shown(spot.at[1]));
+        let mut words = vec![Seen::made(first, spot.at[0]), Seen::made(second, spot.at[1])];
         // Functions of the block act at its beginning.
-        for word in journey.functions.iter().filter(|word| call.next == 0 && word.is("M")) {
-            words.push(' ');
-            words.push_str(&word.text);
-        }
+        words.extend(journey.functions.iter().filter(|word| call.next == 0 && word.is("M")).cloned());
         match journey.round.as_ref().filter(|_| call.next > 0) {
             Some([center, turn]) => {
-                blocks.extend([center.clone(), format!("C {words} {turn}")]);
-                blocks.extend(self.path.rates.last.clone());
+                blocks.extend([center.clone(), headed("C", words.into_iter().chain(turn.iter().cloned()))]);
+                blocks.extend(self.path.rates.last.clone().map(|feed| vec![feed]));
             }
             None => {
-                blocks.push(way.block(&words, false));
-                blocks.extend(self.path.rates.last.clone().filter(|_| way.has_feed()));
+                blocks.push(way.block(words, false));
+                blocks.extend(self.path.rates.last.clone().filter(|_| way.has_feed()).map(|feed| vec![feed]));
             }
         }
         self.call_cycle_program(host, journey.program, Some(surface))?;

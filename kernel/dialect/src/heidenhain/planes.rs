@@ -13,9 +13,9 @@ use super::eval::Evaluator;
 use super::foreign_axes::refuse_axes;
 use super::formula::{Kind, Name};
 use super::path::{AXES, axis};
-use super::shifts::{SPACE, Shifts};
+use super::shifts::{SPACE, Shifts, cycle};
 use super::variables::Value;
-use super::words::{Seen, Word, joined, shown};
+use super::words::{LeftBlock, Seen, Word, headed};
 use crate::host::Host;
 use counterpoint_fault as diag;
 
@@ -45,10 +45,9 @@ fn points(seen: Vec<Seen>) -> Vec<Seen> {
     for word in seen {
         let name = out.last().filter(|last| last.is("P")).and_then(|last| point_word(last.value?, &word.name));
         match (name, word.value) {
-            (Some(name), Some(value)) => {
+            (Some(name), Some(_)) => {
                 out.pop();
-                let text = format!("{name}{}", word.text.get(word.name.len()..).unwrap_or_default());
-                out.push(Seen { name: name.into(), value: Some(value), text });
+                out.push(word.renamed(&name));
             }
             _ => out.push(word),
         }
@@ -57,8 +56,8 @@ fn points(seen: Vec<Seen>) -> Vec<Seen> {
 }
 
 impl Heidenhain {
-    /// PLANE: the remaining words; none if it says too little.
-    pub(super) fn plane(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+    /// PLANE: the remaining words.
+    pub(super) fn plane(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         if !seen.iter().any(|word| BEHAVIOUR.iter().any(|name| word.is(name))) {
             let text = format!("PLANE needs MOVE, TURN or STAY in '{}'", host.block_text());
@@ -77,7 +76,7 @@ impl Heidenhain {
             refuse_axes(host, "PLANE RESET", &seen)?;
         }
         let taken = self.plane_begins(resets, seen.iter().any(|word| word.is("RELATIV")));
-        Ok(Some(joined("", &seen) + &taken))
+        Ok(std::iter::once(seen).chain(taken).collect())
     }
 
     /// Cycle 7 in a plane: a shift of 0 takes that of before away too, which comes back with no PLANE RESET.
@@ -91,9 +90,9 @@ impl Heidenhain {
         }
     }
 
-    /// Shifts of the program are those of the plane from here on, or those of before. Returns a line that restores the
+    /// Shifts of the program are those of the plane from here on, or those of before. Returns a block that restores the
     /// shifts that were removed.
-    fn plane_begins(&mut self, reset: bool, added: bool) -> String {
+    fn plane_begins(&mut self, reset: bool, added: bool) -> Option<LeftBlock> {
         self.planes.asked = true;
         if reset {
             let taken = std::mem::take(&mut self.planes.taken);
@@ -104,8 +103,7 @@ impl Heidenhain {
             }
             if taken != 0 {
                 let axes = AXES.iter().enumerate().filter(|(at, _)| taken & 1 << at != 0);
-                let words: Vec<Seen> = axes.map(|(_, letter)| Seen::made(letter, 0.0)).collect();
-                return format!("\n{}", joined("CYCL DEF 7", &words));
+                return Some(cycle(7, axes.map(|(_, letter)| Seen::made(letter, 0.0))));
             }
         } else {
             let before = std::mem::take(&mut self.shifts);
@@ -114,11 +112,11 @@ impl Heidenhain {
                 self.planes.before.get_or_insert(before);
             }
         }
-        String::new()
+        None
     }
 
     /// Cycle 19 as the PLANE function that it is; none where the machine has none.
-    pub(super) fn plane_cycle(&mut self, host: &dyn Host, seen: &[Seen]) -> Option<String> {
+    pub(super) fn plane_cycle(&mut self, host: &dyn Host, seen: &[Seen]) -> Option<Vec<LeftBlock>> {
         let value = |name: &str| seen.iter().find(|word| word.is(name)).and_then(|word| word.value);
         let angles = ["A", "B", "C"].map(value);
         let ends = angles.iter().all(Option::is_none);
@@ -127,15 +125,18 @@ impl Heidenhain {
         }
         let taken = self.plane_begins(ends, false);
         if ends {
-            return Some("PLANE RESET STAY".to_owned() + &taken);
+            return Some(std::iter::once(headed("PLANE RESET STAY", [])).chain(taken).collect());
         }
-        let [a, b, c] = angles.map(|angle| shown(angle.unwrap_or(0.0)));
-        let plane = format!("PLANE SPATIAL SPA{a} SPB{b} SPC{c}");
-        let feed = seen.iter().find(|word| word.is("F") || word.is("FMAX"));
-        Some(match feed {
-            None => format!("{plane} STAY"),
-            Some(feed) => format!("{plane} MOVE DIST{} {}", shown(value("DIST").unwrap_or(0.0)), feed.text),
-        })
+        let words = ["SPA", "SPB", "SPC"].into_iter().zip(angles);
+        let mut plane = headed("PLANE SPATIAL", words.map(|(name, angle)| Seen::made(name, angle.unwrap_or(0.0))));
+        match seen.iter().find(|word| word.is("F") || word.is("FMAX")) {
+            None => plane.push(Seen::text("STAY")),
+            Some(feed) => {
+                let back = Seen::made("DIST", value("DIST").unwrap_or(0.0));
+                plane.extend([Seen::text("MOVE"), back, feed.clone()]);
+            }
+        }
+        Some(vec![plane])
     }
 
     /// Q120 to Q122 after a plane: the positions of A, B and C that turn into it.

@@ -4,7 +4,7 @@
 //! made in pieces, so that none of them is full. Invariant: without a pole there is a diagnostic, no position.
 
 use super::path::{Position, Walk};
-use super::words::joined;
+use super::words::{LeftBlock, headed};
 use crate::contour::{Point, Polar, angle_between, minus, pieces};
 
 /// Largest arc of a circle about the pole that is made in one piece, degrees.
@@ -56,7 +56,7 @@ impl Walk<'_> {
         if self.step.iso { &Self::POLAR } else { Self::POLAR.split_last().map_or(&[], |(_, rest)| rest) }
     }
 
-    pub(super) fn polar_line(&mut self) -> Vec<String> {
+    pub(super) fn polar_line(&mut self) -> Vec<LeftBlock> {
         let Some((end, _)) = self.polar_end() else { return Vec::new() };
         let start = self.flat(&self.start);
         self.path.base = None;
@@ -67,14 +67,14 @@ impl Walk<'_> {
             self.put(&mut stop, corner_start);
             self.path.base = Some(end);
         }
-        let line = self.straight(&stop, &self.others(self.polar_words()));
+        let line = self.straight(&stop, self.others(self.polar_words()));
         self.head_for(minus(to, start));
         self.ends_at(to);
         self.path.round = false;
         vec![line]
     }
 
-    pub(super) fn polar_arc(&mut self) -> Vec<String> {
+    pub(super) fn polar_arc(&mut self) -> Vec<LeftBlock> {
         let Some((end, sweep)) = self.polar_end() else { return Vec::new() };
         let (Some(pole), start) = (self.path.poles.flat, self.flat(&self.start)) else { return Vec::new() };
         self.path.base = None;
@@ -121,7 +121,7 @@ impl Walk<'_> {
                 used.push("DR");
                 words.extend(self.others(&used));
             }
-            lines.push(joined(&code, &words));
+            lines.push(headed(code, words));
             last = to;
         }
         self.path.restate = true;

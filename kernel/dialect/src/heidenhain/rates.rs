@@ -4,14 +4,15 @@
 //! corner ends with it; the feed before it returns in the next block that moves.
 
 use super::path::{Shape, Walk, axis};
+use super::words::{LeftBlock, Seen};
 
 /// Feeds that a program has given.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Rates {
     /// The last one, as written.
-    pub(super) last: Option<String>,
+    pub(super) last: Option<Seen>,
     /// That of TOOL CALL.
-    pub(super) of_tool: Option<String>,
+    pub(super) of_tool: Option<Seen>,
     /// A corner had a feed of its own.
     pub(super) gives_back: bool,
     /// The block before was at rapid.
@@ -20,18 +21,17 @@ pub(super) struct Rates {
 
 impl Walk<'_> {
     /// Feeds of the lines: that of TOOL CALL, and the feed before a corner with its own.
-    pub(super) fn feeds(&mut self, lines: &mut [String]) {
+    pub(super) fn feeds(&mut self, lines: &mut [LeftBlock]) {
         let is_corner = matches!(self.step.shape, Shape::Chamfer | Shape::Round);
         let own = self.step.seen.iter().find(|word| word.is("F") && word.value.is_some());
         let moves = self.step.seen.iter().any(|word| axis(&word.name).is_some() && word.value.is_some());
         let has = own.is_some() || self.step.seen.iter().any(|word| word.is("FAUTO") || word.is("FMAX"));
         match own {
             Some(_) if is_corner => self.path.rates.gives_back = true,
-            Some(word) => (self.path.rates.last, self.path.rates.gives_back) = (Some(word.text.clone()), false),
+            Some(word) => (self.path.rates.last, self.path.rates.gives_back) = (Some(word.apart()), false),
             None if !has && moves && std::mem::take(&mut self.path.rates.gives_back) => {
                 if let (Some(feed), Some(line)) = (&self.path.rates.last, lines.first_mut()) {
-                    line.push(' ');
-                    line.push_str(feed);
+                    line.push(feed.clone());
                 }
             }
             None => {}
@@ -46,8 +46,8 @@ impl Walk<'_> {
         }
         if let Some(rapid) = &self.step.rapid {
             // A rapid of the machine is straight.
-            for line in &mut *lines {
-                *line = line.replace("FMAX", rapid);
+            for word in lines.iter_mut().flatten().filter(|word| word.is("FMAX")) {
+                word.clone_from(rapid);
             }
             self.path.rates.gives_back = self.path.rates.last.is_some();
         }
@@ -57,7 +57,8 @@ impl Walk<'_> {
                 self.refuse("F AUTO needs a feed in TOOL CALL");
             }
             for line in lines {
-                *line = line.replace("FAUTO", feed.as_deref().unwrap_or(""));
+                let from_tool = |word: Seen| if word.is("FAUTO") { feed.clone() } else { Some(word) };
+                *line = std::mem::take(line).into_iter().filter_map(from_tool).collect();
             }
             self.path.rates.last = feed;
         }

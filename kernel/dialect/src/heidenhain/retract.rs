@@ -4,7 +4,7 @@
 //! rapid without one). Invariant: the words after it in the block form a block of their own, with the previous feed.
 
 use super::Heidenhain;
-use super::words::{Seen, joined};
+use super::words::{LeftBlock, Seen};
 use crate::host::Host;
 
 /// MB as the tables of the machine have it up to the end of travel.
@@ -13,7 +13,7 @@ const TO_THE_END: f64 = -1.0;
 impl Heidenhain {
     /// Takes M140 with its words off a block and returns the blocks that execute it. There are none if the block has no
     /// such words or the machine has no register for them.
-    pub(super) fn retract(&self, host: &dyn Host, seen: &mut Vec<Seen>) -> Vec<String> {
+    pub(super) fn retract(&self, host: &dyn Host, seen: &mut Vec<Seen>) -> Vec<LeftBlock> {
         let at = seen.iter().position(|word| word.is("M") && word.value == Some(140.0));
         let Some(at) = at.filter(|_| host.is_register("MB")) else { return Vec::new() };
         let mut own = vec![seen.remove(at)];
@@ -29,8 +29,8 @@ impl Heidenhain {
         let feed = if seen.get(at).is_some_and(Seen::is_rate) { Some(seen.remove(at)) } else { None };
         let changes = feed.as_ref().is_some_and(|feed| feed.is("F"));
         own.push(feed.unwrap_or_else(|| Seen::text("FMAX")));
-        let mut blocks = vec![joined("", &own)];
-        blocks.extend(self.path.rates.last.clone().filter(|_| changes));
+        let mut blocks = vec![own];
+        blocks.extend(self.path.rates.last.clone().filter(|_| changes).map(|feed| vec![feed]));
         blocks
     }
 }

@@ -7,7 +7,7 @@
 //! of a mirror or scale.
 
 use super::path::{AXES, axis};
-use super::words::{Seen, joined, shown};
+use super::words::{LeftBlock, Rest, Seen, shown};
 use crate::host::Host;
 
 /// X, Y and Z come first; every other axis has its own shift, mirror and scale, in any active plane.
@@ -78,7 +78,7 @@ impl Shifts {
 
     /// The words of a cycle: records the values that they set, makes incremental values absolute and supplies omitted
     /// values. Returns the blocks that have to precede them.
-    pub(super) fn define(&mut self, host: &dyn Host, cycle: u32, seen: &mut Vec<Seen>) -> Vec<String> {
+    pub(super) fn define(&mut self, host: &dyn Host, cycle: u32, seen: &mut Vec<Seen>) -> Vec<LeftBlock> {
         match cycle {
             7 => self.shift(seen),
             8 => return self.mirror(seen),
@@ -102,7 +102,7 @@ impl Shifts {
     }
 
     /// An axis has no value; the mirror is at the datum.
-    fn mirror(&mut self, seen: &mut Vec<Seen>) -> Vec<String> {
+    fn mirror(&mut self, seen: &mut Vec<Seen>) -> Vec<LeftBlock> {
         let before = std::mem::take(&mut self.mirrored);
         for word in &mut *seen {
             let Some(at) = AXES.iter().position(|axis| word.is(axis)).filter(|_| word.value.is_none()) else {
@@ -121,7 +121,7 @@ impl Shifts {
         } else if self.mirrored == before {
             return Vec::new();
         }
-        if before.contains(&true) { vec![NO_MIRROR.to_owned()] } else { Vec::new() }
+        if before.contains(&true) { vec![vec![Seen::text(NO_MIRROR)]] } else { Vec::new() }
     }
 
     fn turn(&mut self, seen: &mut [Seen]) {
@@ -132,8 +132,8 @@ impl Shifts {
                 "IROT" => {
                     self.angle += value;
                     let sign = if self.angle < 0.0 { "" } else { "+" };
-                    let text = format!("ROT{sign}{}", shown(self.angle));
-                    *word = Seen { name: "ROT".into(), value: Some(self.angle), text };
+                    let rest = Rest::Written(format!("{sign}{}", shown(self.angle)).into());
+                    *word = Seen { rest, span: word.span, ..Seen::made("ROT", self.angle) };
                 }
                 _ => {}
             }
@@ -171,22 +171,27 @@ impl Shifts {
     }
 
     /// The blocks that take all of it away.
-    fn undone(self) -> Vec<String> {
+    fn undone(self) -> Vec<LeftBlock> {
         let mut blocks = Vec::new();
         let shifted = AXES.iter().zip(self.datum).filter(|(_, datum)| *datum != 0.0);
         let words: Vec<Seen> = shifted.map(|(letter, _)| Seen::made(letter, 0.0)).collect();
         if !words.is_empty() {
-            blocks.push(joined("CYCL DEF 7", &words));
+            blocks.push(cycle(7, words));
         }
         if self.mirrored.contains(&true) {
-            blocks.push(NO_MIRROR.to_owned());
+            blocks.push(vec![Seen::text(NO_MIRROR)]);
         }
         if self.angle != 0.0 {
-            blocks.push("CYCL DEF 10 ROT0".to_owned());
+            blocks.push(cycle(10, [Seen::made("ROT", 0.0)]));
         }
         if self.factors != [1.0; AXES.len()] {
-            blocks.push("CYCL DEF 11 SCL1".to_owned());
+            blocks.push(cycle(11, [Seen::made("SCL", 1.0)]));
         }
         blocks
     }
+}
+
+/// The definition of a cycle with its words.
+pub(super) fn cycle(number: u32, words: impl IntoIterator<Item = Seen>) -> LeftBlock {
+    std::iter::once(Seen::made("CYCL DEF ", f64::from(number))).chain(words).collect()
 }

@@ -15,7 +15,7 @@ use counterpoint_motion::contour::trochoid::trochoid;
 
 use super::Heidenhain;
 use super::clearing::{Blocks, levels, within_reason};
-use super::cycles::RAPID;
+use super::moves::{Moves, RAPID};
 use crate::host::Host;
 
 /// Column ANGLE of the tool table.
@@ -45,7 +45,7 @@ fn round_the_slot(middle: &[Element], side: f64, amount: f64) -> Option<Vec<Elem
 
 impl Heidenhain {
     /// The blocks of cycle 275.
-    pub(super) fn mill_slot(&self, host: &dyn Host) -> Result<Vec<String>, String> {
+    pub(super) fn mill_slot(&self, host: &dyn Host) -> Result<Moves, String> {
         let middle = &self.only_contour()?.elements;
         let unit = host.length_factor();
         let cutter = self.cutter(host)?;
@@ -91,7 +91,7 @@ impl Heidenhain {
         if self.sl(204) > self.sl(200) {
             blocks.rise_to(surface + self.sl(204), RAPID);
         }
-        Ok(blocks.lines)
+        Ok(blocks.moves)
     }
 
     fn finishing_feed(&self) -> f64 {
@@ -128,7 +128,7 @@ impl Heidenhain {
     fn plunge_along(
         &self,
         host: &dyn Host,
-        blocks: &mut Blocks<'_>,
+        blocks: &mut Blocks,
         (middle, circles): (&[Element], &[Element]),
         (level, mills): (f64, f64),
     ) -> Result<(), String> {
@@ -170,7 +170,7 @@ impl Heidenhain {
     }
 
     /// The walls, from the start of the middle.
-    fn finish_slot(&self, blocks: &mut Blocks<'_>, middle: &[Element], room: f64, climbs: bool) -> Result<(), String> {
+    fn finish_slot(&self, blocks: &mut Blocks, middle: &[Element], room: f64, climbs: bool) -> Result<(), String> {
         let (Some(first), Some(last)) = (middle.first(), middle.last()) else { return Ok(()) };
         // A tool that climbs has its wall on the right.
         let side = if climbs { -1.0 } else { 1.0 };

@@ -34,8 +34,7 @@ impl Heidenhain {
             return;
         }
         if let Some(word) = seen.iter_mut().skip(on + 1).find(|word| word.is("F") && word.value.is_some()) {
-            let text = word.text.replacen('F', "TIPF", 1);
-            *word = Seen { name: "TIPF".into(), value: word.value, text };
+            *word = word.renamed("TIPF");
         }
     }
 
@@ -59,8 +58,7 @@ impl Heidenhain {
         }
         for word in seen {
             if let Some(name) = NORMAL.iter().position(|name| word.is(name)).and_then(|at| TOOL.get(at)) {
-                let text = word.text.replacen('N', "T", 1);
-                *word = Seen { name: (*name).into(), value: word.value, text };
+                *word = word.renamed(name);
             }
         }
         Ok(())

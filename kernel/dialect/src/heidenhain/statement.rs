@@ -7,7 +7,7 @@
 use super::formula::{self, Formula, Name, Own, Wrong, expected, parameter};
 use super::lex::Cursor;
 use super::path::Shape;
-use super::words::{Word, words};
+use super::words::{MADE, Word, words};
 use crate::statement::Shared;
 
 /// Label of a place in the program.
@@ -357,7 +357,7 @@ fn percent(cursor: &mut Cursor<'_>) -> Statement {
     cursor.take(b'%');
     let text = cursor.all();
     let (name, unit) = text.rsplit_once(' ').map_or((text, ""), |(name, unit)| (name.trim(), unit));
-    let words = || words(&mut Cursor::new(unit));
+    let words = || words(&mut Cursor::new(unit)).into_iter().map(|word| Word { span: MADE, ..word }).collect();
     match unit {
         "G70" => Statement::Begin { iso: true, inch: Some(true), words: words() },
         "G71" => Statement::Begin { iso: true, inch: Some(false), words: words() },

@@ -5,8 +5,8 @@
 //! Decisions: the tool of 277 comes to a point.
 
 use super::Heidenhain;
-use super::cycles::RAPID;
 use super::formula::{Kind, Name};
+use super::moves::RAPID;
 use super::old;
 use super::path::actual;
 use crate::host::Host;

@@ -16,7 +16,7 @@ use super::formula::Formula;
 use super::path::AXES;
 use super::tools::{LENGTH, RADIUS, is_indexed, row};
 use super::variables::Value;
-use super::words::{Seen, Word, joined, shown};
+use super::words::{LeftBlock, MADE, Rest, Seen, Word, headed, shown};
 use crate::host::Host;
 
 /// Register for the row of an indexed tool.
@@ -56,7 +56,7 @@ impl Heidenhain {
         host: &mut dyn Host,
         tool: Option<&Formula>,
         words: &[Word],
-    ) -> Result<Option<String>, Halt> {
+    ) -> Result<Vec<LeftBlock>, Halt> {
         let number = match tool {
             Some(tool) => self.tool(host, tool)?,
             None => None,
@@ -77,8 +77,8 @@ impl Heidenhain {
                 };
             }
             if word.is("F") {
-                self.path.rates.of_tool = Some(word.text.clone());
-                self.path.rates.last = Some(word.text.clone());
+                self.path.rates.of_tool = Some(word.apart());
+                self.path.rates.last = Some(word.apart());
             }
         }
         let called = number.as_deref().and_then(|number| number.parse::<f64>().ok());
@@ -90,15 +90,16 @@ impl Heidenhain {
         self.functions_of(&seen);
         // Allowances belong to the tool table, unless the machine has registers for them.
         let stays = |word: &Seen| !matches!(&*word.name, "DL" | "DR" | "DR2" | ROW) || host.is_register(&word.name);
-        let left: Vec<Seen> = seen.into_iter().filter(stays).collect();
-        Ok(Some(match number {
+        let left = seen.into_iter().filter(stays);
+        Ok(vec![match number {
             Some(number) if host.is_register(ROW) => {
-                joined(&format!("TOOL CALL {}", called.map_or(number, |called| shown(called.trunc()))), &left)
+                let number = called.map_or(number, |called| shown(called.trunc()));
+                std::iter::once(with_tool("TOOL CALL ", number)).chain(left).collect()
             }
-            Some(number) => joined(&format!("TOOL CALL {number}"), &left),
-            None if changes && host.is_code_text(SIZES) => joined(SIZES, &left),
-            None => joined("", &left),
-        }))
+            Some(number) => std::iter::once(with_tool("TOOL CALL ", number)).chain(left).collect(),
+            None if changes && host.is_code_text(SIZES) => headed(SIZES, left),
+            None => left.collect(),
+        }])
     }
 
     /// The allowances of the block, with those of the tool table; without a tool, allowances that it does not name
@@ -133,8 +134,8 @@ impl Heidenhain {
         host: &mut dyn Host,
         tool: &Formula,
         words: &[Word],
-    ) -> Result<Option<String>, Halt> {
-        let Some(number) = self.tool(host, tool)? else { return Ok(None) };
+    ) -> Result<Vec<LeftBlock>, Halt> {
+        let Some(number) = self.tool(host, tool)? else { return Ok(Vec::new()) };
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         refuse_axes(host, "TOOL DEF", &seen)?;
         let defined = number.parse::<f64>().ok();
@@ -149,24 +150,30 @@ impl Heidenhain {
             host.effect();
         }
         // Length and radius are those of the tool table, not words of the block.
-        let others: Vec<Seen> = seen.into_iter().filter(|word| !word.is("L") && !word.is("R")).collect();
+        let others = seen.into_iter().filter(|word| !word.is("L") && !word.is("R"));
         let number = match defined.filter(|tool| is_indexed(*tool) && host.is_register(ROW)) {
             Some(tool) => shown(tool.trunc()),
             None => number,
         };
-        Ok(Some(joined(&format!("TOOL DEF {number}"), &others)))
+        Ok(vec![std::iter::once(with_tool("TOOL DEF ", number)).chain(others).collect()])
     }
 
     /// PRESET SELECT: a row of the preset table by its number, as cycle 247; transformations end unless the block
     /// has KEEP TRANS.
-    pub(super) fn select_preset(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+    pub(super) fn select_preset(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
         let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         let is_known = |word: &Seen| matches!(&*word.name, "#" | "KEEP" | "TRANS" | "WP");
         let row = seen.iter().find(|word| word.is("#")).and_then(|word| word.value);
         let Some(row) = row.filter(|_| seen.iter().all(is_known)) else { return Err(self.not_understood(host)) };
         let keeps = seen.iter().any(|word| word.is("KEEP"));
         let mut lines = if keeps { Vec::new() } else { self.shifts.define(host, 247, &mut Vec::new()) };
-        lines.push(format!("CYCL DEF 247 Q339={}", shown(row)));
-        Ok(Some(lines.join("\n")))
+        lines.push(vec![Seen::made("CYCL DEF ", 247.0), Seen::made("Q339=", row)]);
+        Ok(lines)
     }
+}
+
+/// A call or definition of a tool by its number, or by the text that the machine has for it.
+fn with_tool(name: &str, number: String) -> Seen {
+    let value = number.parse().ok();
+    Seen { name: name.into(), value, rest: Rest::Written(number.into()), span: MADE, function: None }
 }

@@ -13,7 +13,7 @@ use counterpoint_motion::contour::shifted::rounded;
 
 use super::Heidenhain;
 use super::clearing::{Blocks, levels, within_reason};
-use super::cycles::RAPID;
+use super::moves::{Moves, RAPID};
 use crate::host::Host;
 
 /// The path of a train.
@@ -97,7 +97,7 @@ impl Heidenhain {
     }
 
     /// Cycle 25.
-    pub(super) fn follow_train(&self, host: &dyn Host) -> Result<Vec<String>, String> {
+    pub(super) fn follow_train(&self, host: &dyn Host) -> Result<Moves, String> {
         let Train { arrives, way, leaves, side, .. } = self.train(host)?;
         let way: Vec<Element> = arrives.into_iter().chain(way).chain(leaves).collect();
         let back = Closed::open(way.clone()).reversed();
@@ -128,11 +128,11 @@ impl Heidenhain {
         if alternates {
             blocks.rise_to(safe, RAPID);
         }
-        Ok(blocks.lines)
+        Ok(blocks.moves)
     }
 
     /// Cycle 276.
-    pub(super) fn follow_in_space(&self, host: &dyn Host) -> Result<Vec<String>, String> {
+    pub(super) fn follow_in_space(&self, host: &dyn Host) -> Result<Moves, String> {
         if self.sl(18) != 0.0 {
             return Err("residual material (Q18) is not emulated in cycle 276: program Q18=0".to_owned());
         }
@@ -188,6 +188,6 @@ impl Heidenhain {
         if alternates {
             blocks.rise_to(safe, RAPID);
         }
-        Ok(blocks.lines)
+        Ok(blocks.moves)
     }
 }

@@ -9,13 +9,13 @@ use super::Heidenhain;
 use super::cycles::head;
 use super::eval::Evaluator;
 use super::path::AXES;
-use super::shifts::SPACE;
-use super::words::{Operand, Word, joined};
+use super::shifts::{SPACE, cycle as cycle_words};
+use super::words::{LeftBlock, Operand, Seen, Word};
 use crate::host::Host;
 
 impl Heidenhain {
     /// A statement that begins with TRANS.
-    pub(super) fn transform(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+    pub(super) fn transform(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
         let name = |at: usize| words.get(at).map_or("", |word| &*word.name);
         let rest = words.get(2..).unwrap_or_default();
         let (cycle, values) = match (name(1), name(2)) {
@@ -33,19 +33,19 @@ impl Heidenhain {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
         let mut blocks = self.shifts.define(host, cycle, &mut seen);
         if !seen.is_empty() {
-            blocks.push(joined("", &seen));
+            blocks.push(seen);
         }
-        Ok(Some(blocks.join("\n")))
+        Ok(blocks)
     }
 
     /// TRANS DATUM: cycle 7 by another name.
-    fn shift_datum(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
+    fn shift_datum(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Vec<LeftBlock>, Halt> {
         let (form, values) = words.get(2..).and_then(<[Word]>::split_first).unzip();
         let mut all = vec![head(7)];
         match form.map(|word| &*word.name) {
             Some("AXIS") => all.extend_from_slice(values.unwrap_or_default()),
             Some("RESET") => {
-                let zero = |name: &str| Word { name: name.into(), operand: Operand::Number("0".into(), 0.0) };
+                let zero = |name: &str| Word::made(name, Operand::Number("0".into(), 0.0));
                 let shifted = |at: &usize| *at < SPACE || self.shifts.datum(*at).is_some_and(|datum| datum != 0.0);
                 let letters = AXES.iter().enumerate().filter(|(at, _)| shifted(at));
                 all.extend(letters.map(|(_, letter)| zero(letter)));
@@ -55,21 +55,21 @@ impl Heidenhain {
                 let Some(row) = seen.iter().find(|word| word.is("TABLINE")).and_then(|word| word.value) else {
                     return Err(self.not_understood(host));
                 };
-                let table = seen.iter().find(|word| word.text.starts_with('"')).map(|word| word.text.as_str());
-                let mut words = self.datum_row(host, row, table)?;
+                let table = seen.iter().map(Seen::own_text).find(|text| text.starts_with('"'));
+                let mut words = self.datum_row(host, row, table.as_deref())?;
                 self.take_shifts(&words);
                 self.shifts.define(host, 7, &mut words);
-                return Ok(Some(joined("CYCL DEF 7", &words)));
+                return Ok(vec![cycle_words(7, words)]);
             }
             _ => return Err(self.not_understood(host)),
         }
         let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
         self.take_shifts(&seen);
         self.shifts.define(host, 7, &mut seen);
-        Ok(Some(joined("", &seen)))
+        Ok(vec![seen])
     }
 }
 
 fn number(name: &str, value: f64) -> Word {
-    Word { name: name.into(), operand: Operand::Number(format!("{value}").into(), value) }
+    Word::made(name, Operand::Number(format!("{value}").into(), value))
 }

@@ -5,6 +5,7 @@
 //! *Invariant:* the working plane and its pole are the same after the block as before it.
 
 use super::path::{Shape, Walk, axis};
+use super::words::{LeftBlock, Seen};
 use crate::contour::Point;
 
 /// Axes of a plane.
@@ -42,7 +43,7 @@ impl Walk<'_> {
     }
 
     /// Keeps such a pole. Along the axis that both planes have it is that of the working plane, too.
-    pub(super) fn stand_pole(&mut self, (plane, pole): (Plane, Point)) -> Vec<String> {
+    pub(super) fn stand_pole(&mut self, (plane, pole): (Plane, Point)) -> Vec<LeftBlock> {
         self.path.poles.upright = Some((plane, pole));
         let mut flat = self.path.poles.flat.unwrap_or_else(|| self.flat(&self.start));
         for (slot, own) in flat.iter_mut().zip(self.path.plane) {
@@ -62,12 +63,12 @@ impl Walk<'_> {
     }
 
     /// A circle about such a pole: its plane is selected for this block alone.
-    pub(super) fn upright_circle(&mut self, upright: (Plane, Point)) -> Vec<String> {
+    pub(super) fn upright_circle(&mut self, upright: (Plane, Point)) -> Vec<LeftBlock> {
         self.upright_arc(upright, |walk| walk.circle(Shape::Arc))
     }
 
     /// A line, or a circle, to a point in polar coordinates about such a pole.
-    pub(super) fn upright_polar(&mut self, upright: (Plane, Point), shape: Shape) -> Vec<String> {
+    pub(super) fn upright_polar(&mut self, upright: (Plane, Point), shape: Shape) -> Vec<LeftBlock> {
         match shape {
             Shape::PolarLine if self.path.side.is_left.is_none() => self.upright(upright, Self::polar_line),
             Shape::PolarArc => self.upright_arc(upright, Self::polar_arc),
@@ -84,8 +85,8 @@ impl Walk<'_> {
     fn upright_arc(
         &mut self,
         (plane, pole): (Plane, Point),
-        make: impl FnOnce(&mut Self) -> Vec<String>,
-    ) -> Vec<String> {
+        make: impl FnOnce(&mut Self) -> Vec<LeftBlock>,
+    ) -> Vec<LeftBlock> {
         let tool_axis =
             |of: Plane| PLANES.iter().zip(TOOL_AXES).find(|(known, _)| **known == of).map(|(_, letter)| letter);
         let (Some(there), Some(back)) = (tool_axis(plane), tool_axis(self.path.plane)) else { return Vec::new() };
@@ -93,14 +94,14 @@ impl Walk<'_> {
             self.refuse("a circle outside the working plane cannot be made here");
             return Vec::new();
         }
-        let mut lines = vec![there.to_owned()];
+        let mut lines = vec![vec![Seen::text(there)]];
         if self.keeps_center() {
             let working = std::mem::replace(&mut self.path.plane, plane);
             lines.push(self.pole_line(pole));
             self.path.plane = working;
         }
         lines.extend(self.upright((plane, pole), make));
-        lines.push(back.to_owned());
+        lines.push(vec![Seen::text(back)]);
         if let Some(flat) = self.path.poles.flat.filter(|_| self.keeps_center()) {
             lines.push(self.pole_line(flat));
         }
@@ -108,7 +109,11 @@ impl Walk<'_> {
     }
 
     /// Makes blocks in another plane about the pole of that plane.
-    fn upright(&mut self, (plane, pole): (Plane, Point), make: impl FnOnce(&mut Self) -> Vec<String>) -> Vec<String> {
+    fn upright(
+        &mut self,
+        (plane, pole): (Plane, Point),
+        make: impl FnOnce(&mut Self) -> Vec<LeftBlock>,
+    ) -> Vec<LeftBlock> {
         let (working, poles) = (self.path.plane, self.path.poles);
         self.path.plane = plane;
         self.path.poles = Poles { flat: Some(pole), upright: None };

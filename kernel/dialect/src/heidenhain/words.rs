@@ -11,6 +11,8 @@ use super::eval::Evaluator;
 use super::formula::{Name, parameter};
 use super::lex::Cursor;
 use super::variables::Value;
+use crate::words::{Span, span};
+use counterpoint_machine::number::shortest;
 
 /// The text after the name of a word.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +33,36 @@ pub(super) enum Operand {
 pub(super) struct Word {
     pub(super) name: Arc<str>,
     pub(super) operand: Operand,
+    /// Its place in the text of the block; [`MADE`] for a word that the pre-processor makes.
+    pub(super) span: Span,
+}
+
+impl Word {
+    /// A word that the pre-processor makes.
+    pub(super) fn made(name: &str, operand: Operand) -> Self {
+        Self { name: shared(name), operand, span: MADE }
+    }
+
+    /// The word where its text begins later.
+    pub(super) fn further(&self, by: usize) -> Self {
+        let (start, end) = self.span;
+        let span = if self.span == MADE { MADE } else { (start + by as u32, end + by as u32) };
+        Self { span, ..self.clone() }
+    }
+}
+
+/// The place of a word that is not in the text of the block.
+pub(super) const MADE: Span = (0, 0);
+
+/// The text of a word after its name.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Rest {
+    Nothing,
+    /// As in the block.
+    Written(Arc<str>),
+    Sign(char),
+    /// The value with the digits that it needs.
+    Value,
 }
 
 /// A word with its value.
@@ -38,23 +70,75 @@ pub(super) struct Word {
 pub(super) struct Seen {
     pub(super) name: Arc<str>,
     pub(super) value: Option<f64>,
-    /// Its rest.
-    pub(super) text: String,
+    pub(super) rest: Rest,
+    pub(super) span: Span,
+    /// The M function that the unit of a feed needs before it.
+    pub(super) function: Option<u16>,
 }
 
 impl Seen {
     /// A word that the pre-processor makes.
     pub(super) fn made(name: &str, value: f64) -> Self {
-        Self { name: name.into(), value: Some(value), text: format!("{name}{}", shown(value)) }
+        Self { name: shared(name), value: Some(value), rest: Rest::Value, span: MADE, function: None }
     }
 
     /// A text without value.
     pub(super) fn text(text: &str) -> Self {
-        Self { name: text.into(), value: None, text: text.to_owned() }
+        Self { name: shared(text), value: None, rest: Rest::Nothing, span: MADE, function: None }
+    }
+
+    /// A direction of rotation.
+    pub(super) fn turn(clockwise: bool) -> Self {
+        let rest = Rest::Sign(if clockwise { '-' } else { '+' });
+        Self { name: shared("DR"), value: None, rest, span: MADE, function: None }
+    }
+
+    /// The same value under another name.
+    pub(super) fn renamed(&self, name: &str) -> Self {
+        Self { name: shared(name), ..self.clone() }
+    }
+
+    /// The same word in another block.
+    pub(super) fn apart(&self) -> Self {
+        Self { span: MADE, ..self.clone() }
     }
 
     pub(super) fn is(&self, name: &str) -> bool {
         *self.name == *name
+    }
+
+    /// Its text, without the function of its unit.
+    pub(super) fn own_text(&self) -> Cow<'_, str> {
+        match &self.rest {
+            Rest::Nothing => Cow::Borrowed(&self.name),
+            Rest::Written(rest) if self.name.is_empty() => Cow::Borrowed(rest),
+            Rest::Written(rest) => Cow::Owned([&*self.name, rest].concat()),
+            Rest::Sign(sign) => Cow::Owned(format!("{}{sign}", self.name)),
+            Rest::Value => Cow::Owned(format!("{}{}", self.name, shown(self.value.unwrap_or_default()))),
+        }
+    }
+
+    /// Whether its text is this one.
+    pub(super) fn reads(&self, text: &str) -> bool {
+        text.strip_prefix(&*self.name).is_some_and(|behind| match &self.rest {
+            Rest::Nothing => behind.is_empty(),
+            Rest::Written(rest) => **rest == *behind,
+            Rest::Sign(sign) => behind.strip_prefix(*sign) == Some(""),
+            Rest::Value => self.value.is_some_and(|value| shown(value) == behind),
+        })
+    }
+
+    /// R0, which ends the radius compensation, as opposed to a radius.
+    pub(super) fn is_off(&self) -> bool {
+        self.name.starts_with('R') && self.reads("R0")
+    }
+
+    /// The direction of rotation that it says: whether it is clockwise.
+    pub(super) fn turns(&self) -> Option<bool> {
+        match self.rest {
+            Rest::Sign(sign) if self.is("DR") => Some(sign == '-'),
+            _ => None,
+        }
     }
 
     /// A feed, or FMAX.
@@ -65,31 +149,37 @@ impl Seen {
 
 /// A number in the form of words; digits after the ninth were not programmed.
 pub(super) fn shown(value: f64) -> String {
-    let tidy = if value.abs() < 1e6 { (value * 1e9).round() / 1e9 } else { value };
-    format!("{}", tidy + 0.0)
+    shortest(value).to_string()
 }
 
 /// Reads all remaining words.
 pub(super) fn words(cursor: &mut Cursor<'_>) -> Vec<Word> {
     let mut out = Vec::new();
     while !cursor.is_over() {
-        out.push(word(cursor));
+        let start = cursor.place();
+        let word = word(cursor);
+        out.push(Word { span: span(start, cursor.place()), ..word });
     }
     out
 }
 
-/// A shared name. Names of one letter, which most words have, are allocated once.
+/// Names that the pre-processor makes words of.
+const NAMES: [&str; 6] = ["FMAX", "DR", "CC", "CR", "IX", "IY"];
+
+/// A shared name. Names of one letter, which most words have, and a few others are allocated once.
 fn shared(name: &str) -> Arc<str> {
     static LETTERS: LazyLock<[Arc<str>; 26]> =
         LazyLock::new(|| std::array::from_fn(|at| char::from(b'A' + at as u8).to_string().into()));
-    match name.as_bytes() {
-        [letter] => LETTERS.get(usize::from(letter.wrapping_sub(b'A'))).map_or_else(|| name.into(), Arc::clone),
-        _ => name.into(),
-    }
+    static OTHERS: LazyLock<[Arc<str>; NAMES.len()]> = LazyLock::new(|| NAMES.map(Arc::from));
+    let known = match name.as_bytes() {
+        [letter] => LETTERS.get(usize::from(letter.wrapping_sub(b'A'))),
+        _ => OTHERS.iter().find(|known| ***known == *name),
+    };
+    known.map_or_else(|| name.into(), Arc::clone)
 }
 
 fn plain(text: &str) -> Word {
-    Word { name: text.into(), operand: Operand::None }
+    Word::made(text, Operand::None)
 }
 
 fn word(cursor: &mut Cursor<'_>) -> Word {
@@ -98,26 +188,26 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
     }
     if let Some(name) = parameter(cursor) {
         if cursor.take(b'=') {
-            return Word { name: format!("{name}=").into(), operand: operand(cursor, true) };
+            return Word::made(&format!("{name}="), operand(cursor, true));
         }
-        return Word { name: "".into(), operand: Operand::Parameter { negative: false, name } };
+        return Word::made("", Operand::Parameter { negative: false, name });
     }
     let mut ahead = cursor.clone();
     let letters = ahead.letters();
     if letters.is_empty() {
         // A sign of its own, a number without a name, anything else.
         if let Some((text, value)) = cursor.number() {
-            return Word { name: "".into(), operand: Operand::Number(Arc::from(&*text), value) };
+            return Word::made("", Operand::Number(Arc::from(&*text), value));
         }
         let first = cursor.bump().map(String::from).unwrap_or_default();
-        return Word { operand: operand(cursor, false), name: first.into() };
+        return Word::made(&first, operand(cursor, false));
     }
     // The parameter that is directly after a name.
     for ending in ["QL", "QR", "QS", "Q"] {
         let Some(name) = letters.strip_suffix(ending).filter(|name| !name.is_empty()) else { continue };
         if ahead.next_byte().is_some_and(|byte| byte.is_ascii_digit()) {
             cursor.take_text(name);
-            return Word { name: name.into(), operand: operand(cursor, false) };
+            return Word::made(name, operand(cursor, false));
         }
     }
     *cursor = ahead;
@@ -141,7 +231,7 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
             }
         }
     }
-    Word { operand: operand(cursor, true), name: shared(&name) }
+    Word::made(&name, operand(cursor, true))
 }
 
 /// The text after a name; blanks may precede a number.
@@ -188,33 +278,40 @@ impl Evaluator<'_> {
     }
 
     fn seen_word(&mut self, word: &Word) -> Result<Seen, Halt> {
-        let name = Arc::clone(&word.name);
-        let (value, text) = match &word.operand {
-            Operand::None => (None, name.to_string()),
-            Operand::Number(text, value) => (Some(*value), [&*name, text].concat()),
-            Operand::Sign(sign) => (None, [&*name, sign.encode_utf8(&mut [0; 4])].concat()),
+        let (value, rest) = match &word.operand {
+            Operand::None => (None, Rest::Nothing),
+            Operand::Number(text, value) => (Some(*value), Rest::Written(Arc::clone(text))),
+            Operand::Sign(sign) => (None, Rest::Sign(*sign)),
             Operand::Parameter { negative, name: parameter } => match self.value_or_kept(*parameter)? {
-                Some(Value::Number(value)) => {
-                    let value = if *negative { -value } else { value };
-                    (Some(value), format!("{name}{}", shown(value)))
-                }
-                Some(Value::Text(text)) => (None, format!("{name}{text}")),
-                None => (None, format!("{name}{parameter}")),
+                Some(Value::Number(value)) => (Some(if *negative { -value } else { value }), Rest::Value),
+                Some(Value::Text(text)) => (None, Rest::Written(text)),
+                None => (None, Rest::Written(parameter.to_string().into())),
             },
         };
-        Ok(Seen { name, value, text })
+        Ok(Seen { name: Arc::clone(&word.name), value, rest, span: word.span, function: None })
     }
 }
 
-/// The words of a block, one blank between them.
-pub(super) fn joined(head: &str, words: &[Seen]) -> String {
-    let mut out = String::with_capacity(head.len() + words.iter().map(|word| word.text.len() + 1).sum::<usize>());
-    out.push_str(head);
+/// A block of the remaining words.
+pub(super) type LeftBlock = Vec<Seen>;
+
+/// A block of words after a head: a text of the machine, a G code, or nothing.
+pub(super) fn headed(head: &str, words: impl IntoIterator<Item = Seen>) -> LeftBlock {
+    let first = (!head.is_empty()).then(|| match head.strip_prefix('G').and_then(|number| number.parse().ok()) {
+        Some(number) => Seen::made("G", number),
+        None => Seen::text(head),
+    });
+    first.into_iter().chain(words).collect()
+}
+
+/// The words of a block as text, one blank between them.
+pub(super) fn joined(words: &[Seen]) -> String {
+    let mut out = String::new();
     for word in words {
         if !out.is_empty() {
             out.push(' ');
         }
-        out.push_str(&word.text);
+        out.push_str(&word.own_text());
     }
     out
 }

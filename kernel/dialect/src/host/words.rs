@@ -56,6 +56,16 @@ pub trait Words {
     /// are data for every value: no code and no literal text of the machine begins with this text.
     fn data_register(&self, before: &str) -> Option<(RegisterId, bool)>;
 
+    /// Register of words that begin with this text, and whether it is the incremental form, if each number after the
+    /// text is its value: no literal text and no other register begins with the text and a number.
+    fn value_register(&self, before: &str) -> Option<(RegisterId, bool)>;
+
+    /// Row of a literal text that is read as one, whatever follows it after a blank.
+    fn separate_text(&self, text: &str) -> Option<CodeRowId>;
+
+    /// Whether a literal text, or the text before the numbers of a register, begins with this text.
+    fn begins_name(&self, text: &str) -> bool;
+
     /// Steps of one unit that the value of an expression is rounded to at a register, if the machine rounds.
     fn steps(&self, register: RegisterId) -> Option<f64>;
 
@@ -78,6 +88,16 @@ pub trait Words {
     /// Adds a value as a word of a register, which may be its incremental form. The register reads a number as
     /// `spelled`, and any other value with the digits of its format.
     fn push_value(&mut self, register: (RegisterId, bool), value: f64, spelled: Option<&str>, span: (u32, u32));
+
+    /// Adds a computed value as a word of a register. The register reads the shortest number that has the value, with at
+    /// most nine digits after the point.
+    fn push_computed(&mut self, register: (RegisterId, bool), value: f64, span: (u32, u32));
+
+    /// Adds a literal text of the machine, by its row in the code table, which replaces a part of the block.
+    fn push_literal(&mut self, row: CodeRowId, span: (u32, u32));
+
+    /// Ends the block. The words that follow form a block of their own, which acts after it.
+    fn end_block(&mut self);
 
     /// Adds the words of a part of the block that the interpreter leaves unchanged. `text` is the block, or a copy that
     /// has blanks in place of comments, so places in `text` are places in the block.

@@ -6,21 +6,24 @@
 use std::sync::Arc;
 
 use super::Kernel;
+use super::left_blocks::LeftBlocks;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::number::{rounded, written};
 use counterpoint_machine::rows::Point;
-use counterpoint_program::block::{Word, irregular};
+use counterpoint_program::block::{Block, Word, irregular};
 use counterpoint_program::key_words::Number;
 
 /// The words that an interpreter leaves, beside those of the block.
 #[derive(Debug, Default)]
 pub(crate) struct LeftWords {
     /// Whether a trace or a macro may ask for the text of the words.
-    asked: bool,
+    pub(super) asked: bool,
     /// The text of the words, if it may be asked for.
     pub(crate) text: String,
     /// Text of a block of several lines.
     pub(crate) joined: Option<Arc<[u8]>>,
+    /// Blocks before that of the kernel.
+    pub(super) blocks: LeftBlocks,
 }
 
 impl LeftWords {
@@ -29,6 +32,12 @@ impl LeftWords {
         self.asked = asked;
         self.text.clear();
         self.joined = None;
+        self.blocks.clear();
+    }
+
+    /// Takes the words off the block of the kernel: they act before those that follow.
+    pub(super) fn end_block(&mut self, block: &mut Block) {
+        self.blocks.push(block, &mut self.text);
     }
 
     /// Adds the text of words, if it may be needed.

@@ -57,6 +57,14 @@ impl WordNames {
         in_small_letters(text, |text| self.texts.keys().any(|known| known.starts_with(text)))
     }
 
+    /// Whether the rest of a literal text, or of the text before the numbers of a register, after this text is `wanted`.
+    pub(super) fn continues(&self, text: &str, wanted: impl Fn(&[u8]) -> bool) -> bool {
+        let is_wanted = |name: &[u8], text: &[u8]| name.strip_prefix(text).is_some_and(&wanted);
+        in_small_letters(text, |text| {
+            self.texts.keys().any(|name| is_wanted(name, text)) || self.spelled.iter().any(|name| is_wanted(name, text))
+        })
+    }
+
     /// Row of a literal text.
     pub(super) fn text(&self, text: &str) -> Option<CodeRowId> {
         in_small_letters(text, |text| self.texts.get(text).copied())

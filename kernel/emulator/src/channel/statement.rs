@@ -65,18 +65,16 @@ impl Kernel<'_> {
         }
     }
 
-    /// Executes the words that the interpreter has added to the block.
+    /// Executes the words that the interpreter has added to the block, after the blocks that it has ended.
     fn remaining_words(&mut self, whole: &[u8]) -> Acted {
-        let left = &self.dialect.left.text;
-        if self.channel.env.trace.is_some() && !left.is_empty() && left.trim().as_bytes() != whole.trim_ascii() {
-            let left = left.clone();
-            self.trace_left(&left);
-        }
-        let Some(joined) = self.dialect.left.joined.take() else { return self.made_words() };
-        let read = self.channel.text.edited.replace(joined);
-        let acted = self.made_words();
+        let joined = self.dialect.left.joined.take();
+        let read = joined.map(|joined| self.channel.text.edited.replace(joined));
+        let acted =
+            if self.dialect.left.blocks.is_empty() { remaining_block(self, whole) } else { blocks(self, whole) };
         // The next block has a text of its own.
-        self.channel.text.edited = read;
+        if let Some(read) = read {
+            self.channel.text.edited = read;
+        }
         acted
     }
 
@@ -185,4 +183,27 @@ impl Kernel<'_> {
         self.enter(Frame { repeats, closes, called, ..Frame::main(file, range, (*name).into()) });
         Ok(())
     }
+}
+
+/// Executes several blocks, one after another.
+#[inline(never)]
+fn blocks(kernel: &mut Kernel<'_>, whole: &[u8]) -> Acted {
+    kernel.dialect.left.end_block(&mut kernel.channel.block);
+    // Blocks within a block may leave others.
+    let blocks = std::mem::take(&mut kernel.dialect.left.blocks);
+    let acted = (0..blocks.len()).try_for_each(|at| {
+        blocks.fill(at, &mut kernel.channel.block, &mut kernel.dialect.left.text);
+        remaining_block(kernel, whole)
+    });
+    kernel.dialect.left.blocks = blocks.emptied();
+    acted
+}
+
+fn remaining_block(kernel: &mut Kernel<'_>, whole: &[u8]) -> Acted {
+    let left = &kernel.dialect.left.text;
+    if kernel.channel.env.trace.is_some() && !left.is_empty() && left.trim().as_bytes() != whole.trim_ascii() {
+        let left = left.clone();
+        kernel.trace_left(&left);
+    }
+    kernel.made_words()
 }

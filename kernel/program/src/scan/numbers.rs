@@ -167,6 +167,11 @@ impl Read {
         Self { format, implied, room, room_without_point, places, unit, rounds, sign, pointed }
     }
 
+    /// Whether the digits of a number do not count, only its value.
+    pub(super) fn takes_values(&self) -> bool {
+        self.places == usize::MAX && !self.implied
+    }
+
     /// Value of a number, and its irregularities, bit by bit.
     #[inline(always)]
     pub(super) fn value(&self, number: Number) -> (f64, u8) {

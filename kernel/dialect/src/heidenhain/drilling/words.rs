@@ -3,7 +3,7 @@
 //! *Invariant:* a feed at or above the rapid limit is written as FMAX; once a program has used a feed per revolution,
 //! every feed has its M function.
 
-use super::super::cycles::RAPID;
+use super::super::moves::RAPID;
 use super::Hole;
 use crate::host::{Host, MadeWord};
 use counterpoint_machine::index::{CodeRowId, RegisterId};

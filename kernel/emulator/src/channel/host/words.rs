@@ -5,7 +5,7 @@ use counterpoint_dialect::{MadeWord, Words};
 use counterpoint_event::info::Unit;
 use counterpoint_machine::index::{CodeRowId, RegisterId};
 use counterpoint_machine::model::{MacroWords, Triples};
-use counterpoint_machine::number::written;
+use counterpoint_machine::number::{shortest, written};
 use counterpoint_program::block::{Block, Word, irregular};
 use counterpoint_program::key_words::Number;
 
@@ -64,15 +64,27 @@ impl Words for Kernel<'_> {
     }
 
     fn data_register(&self, before: &str) -> Option<(RegisterId, bool)> {
-        let plan = self.plan;
-        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
-        let text = format!("{before}1");
-        let mut block = Block::default();
-        scanner.scan_part(text.as_bytes(), (0, text.len() as u32), self.channel.state.secondary, &mut block);
-        let [word] = block.words.as_slice() else { return None };
-        let is_whole = (word.start, word.end as usize) == (0, text.len()) && block.texts.is_empty();
-        let is_data = plan.registers.only_data & word.register.bit() != 0 && !plan.names.begins_text(before);
-        (is_whole && is_data && !block.has_remarks()).then_some((word.register, word.incremental))
+        let (register, incremental) = register_of_number(self, &format!("{before}1"))?;
+        let is_data = self.plan.registers.only_data & register.bit() != 0 && !self.plan.names.begins_text(before);
+        is_data.then_some((register, incremental))
+    }
+
+    fn value_register(&self, before: &str) -> Option<(RegisterId, bool)> {
+        let found = register_of_number(self, &format!("{before}1"))?;
+        let is_longer = |name: &[u8]| matches!(name.first(), Some(b'0'..=b'9' | b'+' | b'-' | b'.'));
+        (!self.plan.names.continues(before, is_longer)).then_some(found)
+    }
+
+    fn separate_text(&self, text: &str) -> Option<CodeRowId> {
+        let block = scanned_apart(self, text);
+        let [row] = block.texts.as_slice() else { return None };
+        let is_whole = self.literal_of(*row) == Some(text) && block.words.is_empty() && !block.has_remarks();
+        let is_longer = |name: &[u8]| name.first() == Some(&b' ');
+        (is_whole && block.sequence.is_none() && !self.plan.names.continues(text, is_longer)).then_some(*row)
+    }
+
+    fn begins_name(&self, text: &str) -> bool {
+        self.plan.names.continues(text, |_| true)
     }
 
     fn steps(&self, register: RegisterId) -> Option<f64> {
@@ -120,6 +132,42 @@ impl Words for Kernel<'_> {
 
     fn push_value(&mut self, register: (RegisterId, bool), value: f64, spelled: Option<&str>, span: (u32, u32)) {
         self.left_value(register, value, spelled, span);
+    }
+
+    fn push_computed(&mut self, (register, incremental): (RegisterId, bool), value: f64, (start, end): (u32, u32)) {
+        let (plan, machine, secondary) = (self.plan, self.channel.env.machine, self.channel.state.secondary);
+        let value = shortest(value);
+        let (value, bits) = match plan.scanner.reading_of_value(register, value, secondary) {
+            Some(read) => read,
+            None => plan.scanner.reading_of(register, value.to_string().as_bytes(), secondary).unwrap_or((value, 0)),
+        };
+        self.dialect.left.add(|| {
+            let row = &machine.registers[register];
+            let before = row.second.as_ref().filter(|_| incremental).unwrap_or(&row.before);
+            format!("{before}{value}{}", row.after)
+        });
+        let block = &mut self.channel.block;
+        block.flags.irregular |= bits;
+        if Some(register) == plan.scanner.sequence() && block.sequence.is_none() && value >= 0.0 {
+            block.sequence = Some(value as u32);
+            return;
+        }
+        block.push(Word { register, incremental, used: false, made: true, value, start, end });
+        self.flow.pass.effects = true;
+    }
+
+    fn push_literal(&mut self, row: CodeRowId, span: (u32, u32)) {
+        self.channel.block.push_text(row, span);
+        let kernel = &*self;
+        let text = kernel.dialect.left.asked.then(|| kernel.literal_of(row).unwrap_or_default().to_owned());
+        if let Some(text) = text {
+            self.dialect.left.add(|| text);
+        }
+        self.flow.pass.effects = true;
+    }
+
+    fn end_block(&mut self) {
+        self.dialect.left.end_block(&mut self.channel.block);
     }
 
     fn push_plain(&mut self, text: &[u8], span: (u32, u32)) {
@@ -175,4 +223,24 @@ impl Words for Kernel<'_> {
     fn triples(&self) -> Triples {
         self.channel.env.machine.subprograms.ijk
     }
+}
+
+/// A text split into words, beside the block of the kernel.
+fn scanned_apart(kernel: &Kernel<'_>, text: &str) -> Block {
+    let plan = kernel.plan;
+    let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+    let mut block = Block::default();
+    scanner.scan_part(text.as_bytes(), (0, text.len() as u32), kernel.channel.state.secondary, &mut block);
+    block
+}
+
+/// Register of a text that is one word, and whether it is the incremental form.
+fn register_of_number(kernel: &Kernel<'_>, text: &str) -> Option<(RegisterId, bool)> {
+    let block = scanned_apart(kernel, text);
+    let one = match (block.words.as_slice(), block.sequence) {
+        ([word], None) if (word.start, word.end as usize) == (0, text.len()) => (word.register, word.incremental),
+        ([], Some(_)) => (kernel.plan.scanner.sequence()?, false),
+        _ => return None,
+    };
+    (block.texts.is_empty() && !block.has_remarks()).then_some(one)
 }

@@ -1,0 +1,97 @@
+//! Blocks of words that an interpreter leaves for one block of the program.
+//!
+//! *Invariant:* a block of the kernel that is filled from here has the words that were taken off it. A cycle leaves
+//! hundreds of thousands of blocks, so they share their memory.
+
+use counterpoint_machine::index::CodeRowId;
+use counterpoint_program::block::{Block, Word};
+use counterpoint_program::line_up::LineUp;
+
+/// Words whose memory is kept for the next block of the program.
+const MOST_KEPT: usize = 1000;
+
+/// Where the parts of a block end, and its properties as a whole.
+#[derive(Debug, Clone, Copy)]
+struct Ended {
+    words: usize,
+    texts: usize,
+    unrecognised: usize,
+    text: usize,
+    sequence: Option<u32>,
+    irregular: u8,
+    line_up: Option<LineUp>,
+}
+
+/// Blocks, one after another.
+#[derive(Debug, Default)]
+pub(crate) struct LeftBlocks {
+    words: Vec<Word>,
+    texts: Vec<CodeRowId>,
+    unrecognised: Vec<(u32, u32)>,
+    text: String,
+    ends: Vec<Ended>,
+}
+
+impl LeftBlocks {
+    pub(super) fn clear(&mut self) {
+        self.words.clear();
+        self.texts.clear();
+        self.unrecognised.clear();
+        self.text.clear();
+        self.ends.clear();
+    }
+
+    /// The same without blocks; the memory of many blocks is not kept.
+    pub(super) fn emptied(mut self) -> Self {
+        if self.words.capacity() > MOST_KEPT {
+            return Self::default();
+        }
+        self.clear();
+        self
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Takes the words of a block with their text.
+    pub(super) fn push(&mut self, block: &mut Block, text: &mut String) {
+        self.words.append(&mut block.words);
+        self.texts.append(&mut block.texts);
+        self.unrecognised.append(&mut block.unrecognised);
+        self.text.push_str(text);
+        text.clear();
+        self.ends.push(Ended {
+            words: self.words.len(),
+            texts: self.texts.len(),
+            unrecognised: self.unrecognised.len(),
+            text: self.text.len(),
+            sequence: block.sequence,
+            irregular: block.flags.irregular,
+            line_up: block.line_up,
+        });
+        block.clear();
+    }
+
+    /// Fills a block and its text with those of a place.
+    pub(super) fn fill(&self, at: usize, block: &mut Block, text: &mut String) {
+        block.clear();
+        text.clear();
+        let Some(ended) = self.ends.get(at) else { return };
+        let begun = at.checked_sub(1).and_then(|before| self.ends.get(before));
+        let [words, texts, unrecognised, from] =
+            begun.map_or([0; 4], |begun| [begun.words, begun.texts, begun.unrecognised, begun.text]);
+        block.words.extend_from_slice(self.words.get(words..ended.words).unwrap_or_default());
+        block.texts.extend_from_slice(self.texts.get(texts..ended.texts).unwrap_or_default());
+        block
+            .unrecognised
+            .extend_from_slice(self.unrecognised.get(unrecognised..ended.unrecognised).unwrap_or_default());
+        text.push_str(self.text.get(from..ended.text).unwrap_or_default());
+        (block.sequence, block.line_up) = (ended.sequence, ended.line_up);
+        block.flags.irregular = ended.irregular;
+    }
+}
