@@ -103,7 +103,7 @@ pub trait Interpreter: Send {
     ///
     /// # Errors
     /// As those of [`block`](Self::block).
-    fn known_block(&mut self, _: &mut dyn Host, _: (FileId, u32)) -> Option<Result<Made, Halt>> {
+    fn known_block(&mut self, _: &mut dyn Host, _: (FileId, u32)) -> Option<Result<Remaining, Halt>> {
         None
     }
 
@@ -175,39 +175,14 @@ impl MadeBlocks {
     }
 }
 
-/// Result of a line that was executed without its text.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Made {
-    /// Nothing.
-    Nothing,
-    /// The words that the interpreter has put in the block ([`super::host::Words::push`]).
-    Words,
-}
-
-impl From<Made> for Remaining {
-    fn from(made: Made) -> Self {
-        match made {
-            Made::Nothing => Self::Nothing,
-            Made::Words => Self::Words,
-        }
-    }
-}
-
 /// The rest of a block after its interpreter.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Remaining {
     /// Nothing.
     Nothing,
-    /// The text of the words; several blocks are in lines of their own.
-    Text(String),
-    /// The words that the interpreter has put in the block ([`super::host::Words::push`]).
+    /// The words that the interpreter has put in the block, or in several blocks
+    /// ([`super::host::Words::end_block`]).
     Words,
-}
-
-impl From<Option<String>> for Remaining {
-    fn from(text: Option<String>) -> Self {
-        text.map_or(Self::Nothing, Self::Text)
-    }
 }
 
 /// Outcome of a setting.

@@ -34,7 +34,7 @@ pub use host::{
     Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NO_OFFSET, NotThere, Operands, Place,
     Programs, Report, Shape, Signal, Values, Words,
 };
-pub use interpreter::{CycleWord, Interpreter, MacroCall, Made, MadeBlocks, Remaining, Setting};
+pub use interpreter::{CycleWord, Interpreter, MacroCall, MadeBlocks, Remaining, Setting};
 pub use numeric::{VACANT, is_vacant};
 pub use outline::{Argument, Called, Deed, Goal, Named, Reader, Signalled, Step, sequence};
 pub use search::Search;

@@ -13,13 +13,13 @@ use super::loops::Pairs;
 use super::statement::{Item, Name, Statement, Target, TemplateWord};
 use super::{Fanuc, print};
 use crate::host::{Host, MadeWord, Programs};
-use crate::interpreter::Made;
+use crate::interpreter::Remaining;
 use counterpoint_event::FileId;
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 
 impl Fanuc {
-    pub(super) fn statement(&mut self, host: &mut dyn Host, statement: &Statement) -> Result<Made, Abandoned> {
+    pub(super) fn statement(&mut self, host: &mut dyn Host, statement: &Statement) -> Result<Remaining, Abandoned> {
         match statement {
             Statement::Words(words) => return template(host, words),
             Statement::IfThen(condition, inner) => {
@@ -61,7 +61,7 @@ impl Fanuc {
             Statement::Print(items) => print_line(host, items, false)?,
             Statement::PrintBinary(items) => print_line(host, items, true)?,
         }
-        Ok(Made::Nothing)
+        Ok(Remaining::Nothing)
     }
 
     /// The block opens a loop, or starts its next pass.
@@ -194,7 +194,7 @@ fn print_line(host: &mut dyn Host, items: &[Item], binary: bool) -> Result<(), A
 }
 
 /// Words with expressions become plain words; vacant values drop their word, kept ones remain text.
-fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Made, Abandoned> {
+fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Remaining, Abandoned> {
     host.effect();
     for word in words {
         let span = (word.start, word.end);
@@ -223,7 +223,7 @@ fn template(host: &mut dyn Host, words: &[TemplateWord]) -> Result<Made, Abandon
         }
     }
     host.words_are_made();
-    Ok(Made::Words)
+    Ok(Remaining::Words)
 }
 
 /// Whether a line may hold a bracketing statement.

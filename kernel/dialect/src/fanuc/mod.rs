@@ -30,7 +30,7 @@ use counterpoint_lang::value::Value;
 pub(crate) use control::Control;
 
 use super::host::{Host, NotThere};
-use super::interpreter::{Arguments, Interpreter, Made, Remaining, Setting};
+use super::interpreter::{Arguments, Interpreter, Remaining, Setting};
 use super::kept::{Kept, Tables};
 use super::numeric::is_vacant;
 use access::{Abandoned, Access};
@@ -68,7 +68,7 @@ impl Fanuc {
 
     /// Executes a compiled line.
     #[inline]
-    fn execute(&mut self, host: &mut dyn Host, line: &Line) -> Result<Made, Halt> {
+    fn execute(&mut self, host: &mut dyn Host, line: &Line) -> Result<Remaining, Halt> {
         if let Some(number) = line.sequence {
             host.set_sequence(number);
         }
@@ -80,7 +80,7 @@ impl Fanuc {
             Err(Abandoned::Halt(halt)) => Err(halt),
             Err(Abandoned::Text) => {
                 host.keep_text(line.place);
-                Ok(Made::Words)
+                Ok(Remaining::Words)
             }
         }
     }
@@ -110,10 +110,10 @@ impl Fanuc {
 impl Interpreter for Fanuc {
     fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         let line = self.line(host, text, true)?;
-        self.execute(host, &line).map(Remaining::from)
+        self.execute(host, &line)
     }
 
-    fn known_block(&mut self, host: &mut dyn Host, at: (FileId, u32)) -> Option<Result<Made, Halt>> {
+    fn known_block(&mut self, host: &mut dyn Host, at: (FileId, u32)) -> Option<Result<Remaining, Halt>> {
         let line = self.lines.take(at)?;
         if !line.messages.is_empty() {
             display_again(host, at, &line.messages);

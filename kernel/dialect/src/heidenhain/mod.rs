@@ -70,7 +70,7 @@ use super::host::Host;
 use super::interpreter::{Interpreter, MadeBlocks, Remaining, Setting};
 use crate::kept::{Kept, Tables};
 use crate::search::Labels;
-use crate::words::{Span, span};
+use crate::words::{Meanings, Span, span};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_program::shape::Range;
@@ -152,7 +152,7 @@ pub(crate) struct Heidenhain {
     planes: planes::Planes,
     lines: ReadLines,
     labels: Tables<FileId, Labels<statement::Label>>,
-    meanings: left::Meanings,
+    meanings: Meanings,
 }
 
 /// Files that statements have selected for later ones.

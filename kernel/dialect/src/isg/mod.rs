@@ -131,7 +131,7 @@ impl Isg {
 impl Interpreter for Isg {
     fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         let done = self.carry_out(host, text);
-        Ok(Self::reported(host, done)?.into())
+        Self::reported(host, done)
     }
 
     fn restart(&mut self, reset: bool) {

@@ -13,7 +13,7 @@ use super::line::Item;
 use super::{Fault, Isg, Outcome, message, no_variable, places};
 use crate::expression::{Evaluate, Stack};
 use crate::host::{Answer, Host};
-use crate::interpreter::Made;
+use crate::interpreter::Remaining;
 use crate::numeric::{Function, Operator, truth};
 use crate::words::{Valued, part};
 
@@ -57,10 +57,10 @@ fn finite(value: Option<f64>, name: &str) -> Outcome<f64> {
 
 impl Isg {
     /// Executes a block; words that remain are added to the block.
-    pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &[u8]) -> Outcome<Made> {
+    pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &[u8]) -> Outcome<Remaining> {
         let place = host.place();
         if places::is_head(text) {
-            return program_head(host).map(|()| Made::Nothing);
+            return program_head(host).map(|()| Remaining::Nothing);
         }
         let line = self.read_line((place.file, place.line), text, place.as_read);
         let line = match &*line {
@@ -73,7 +73,7 @@ impl Isg {
             skipped |= host.skips(*level);
         }
         if skipped {
-            return Ok(Made::Nothing);
+            return Ok(Remaining::Nothing);
         }
         let remains = line.items.iter().any(Item::remains);
         if let Some(number) = line.number.filter(|_| remains && host.is_register("N")) {
@@ -82,7 +82,7 @@ impl Isg {
         for item in &line.items {
             self.item(host, item, (&line.plain, text))?;
         }
-        Ok(if remains { Made::Words } else { Made::Nothing })
+        Ok(if remains { Remaining::Words } else { Remaining::Nothing })
     }
 
     /// Executes an item of a block; `plain` is the block in capitals without comments.

@@ -31,7 +31,7 @@ use rustc_hash::FxHashMap;
 pub(crate) use control::Control;
 
 use super::host::{Host, Programs};
-use super::interpreter::{Interpreter, Made, Remaining, Setting};
+use super::interpreter::{Interpreter, Remaining, Setting};
 use crate::kept::{Kept, Tables};
 use crate::words::span;
 use counterpoint_event::FileId;
@@ -263,7 +263,7 @@ impl Interpreter for Okuma {
             host.push_plain(text, span(0, text.len()));
             return Ok(Remaining::Words);
         }
-        Ok(self.run(host, &line, text)?.into())
+        self.run(host, &line, text)
     }
 
     fn restart(&mut self, reset: bool) {
@@ -345,7 +345,7 @@ impl Interpreter for Okuma {
         self.lines.get(line).is_some_and(|line| line.executes)
     }
 
-    fn known_block(&mut self, host: &mut dyn Host, at: (FileId, u32)) -> Option<Result<Made, Halt>> {
+    fn known_block(&mut self, host: &mut dyn Host, at: (FileId, u32)) -> Option<Result<Remaining, Halt>> {
         if !self.lines.get(at)?.alone {
             return None;
         }
@@ -353,7 +353,7 @@ impl Interpreter for Okuma {
         self.arguments = None;
         let done = self.run(host, &line, &[]);
         self.lines.give_back(at, line);
-        debug_assert!(!matches!(done, Ok(Made::Words)), "a line that needs no text leaves no words");
+        debug_assert!(!matches!(done, Ok(Remaining::Words)), "a line that needs no text leaves no words");
         Some(done)
     }
 

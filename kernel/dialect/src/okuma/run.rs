@@ -20,7 +20,7 @@ use super::store::Arguments;
 use super::{ALARM_TEXTS, Okuma};
 use crate::host;
 use crate::host::{Answer, Host};
-use crate::interpreter::Made;
+use crate::interpreter::Remaining;
 use crate::words::{Span, Valued, part};
 use counterpoint_fault as diag;
 
@@ -67,13 +67,13 @@ impl Left<'_> {
         is_word
     }
 
-    fn made(&self) -> Made {
-        if self.any { Made::Words } else { Made::Nothing }
+    fn made(&self) -> Remaining {
+        if self.any { Remaining::Words } else { Remaining::Nothing }
     }
 }
 
 impl Okuma {
-    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Result<Made, Halt> {
+    pub(super) fn run(&mut self, host: &mut dyn Host, line: &Line, text: &[u8]) -> Result<Remaining, Halt> {
         if line.open {
             let text = format!("a comment or message is not closed in '{}'", host.block_text());
             host.diagnose(&diag::COMMENT_OPEN, text);
@@ -86,7 +86,7 @@ impl Okuma {
             line.messages.iter().for_each(|message| host.show(message));
         }
         match &line.lap {
-            Some(Lap::Begins) => return self.skip_contour(host).map(|()| Made::Nothing),
+            Some(Lap::Begins) => return self.skip_contour(host).map(|()| Remaining::Nothing),
             Some(Lap::Cuts(name)) => self.cut_along(host, name)?,
             None => {}
         }
@@ -104,7 +104,7 @@ impl Okuma {
             Statement::Continued => {
                 let text = format!("'{}' continues a block, but there is none above it; ignored", host.block_text());
                 host.diagnose(&diag::OKUMA_CONTINUED, text);
-                return Ok(Made::Nothing);
+                return Ok(Remaining::Nothing);
             }
             Statement::Goto(condition, target) => self.go_to(host, condition.as_ref(), target)?,
             Statement::Loop(condition, _) => self.enter_loop(host, condition.as_ref())?,

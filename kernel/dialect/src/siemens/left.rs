@@ -1,6 +1,6 @@
 //! The rest of a block, gathered while its items are executed.
 //!
-//! *Invariant:* words that replace those of the block have no places.
+//! *Invariant:* words that replace those of the block get their places when the block is left.
 
 use super::aims::Aims;
 use super::places::Places;

@@ -130,8 +130,8 @@ pub(crate) struct Siemens {
     places: Tables<FileId, jumps::Places>,
     /// Where subprograms are, by calling file and name.
     found: FxHashMap<(FileId, String), Option<(FileId, Range)>>,
-    /// How the machine spells addresses.
-    spellings: FxHashMap<String, words::Spelling>,
+    /// Words of the machine.
+    known: words::MachineWords,
     /// Subprogram that the block calls.
     calling: Option<calls::Calling>,
     /// Subprogram that blocks with motion call.
@@ -299,7 +299,7 @@ impl Interpreter for Siemens {
     }
 
     fn memory(&self) -> u64 {
-        let names = self.held.externals.len() + self.found.len() + self.stored.len() + self.spellings.len();
+        let names = self.held.externals.len() + self.found.len() + self.stored.len() + self.known.spellings.len();
         (self.variables.bytes() + names * 100 + self.defines.bytes() + self.places.bytes() + self.read.bytes()) as u64
     }
 }

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::expression::{Argument, Expression, Name, as_name, whole};
 use super::left::Left;
 use super::line::{Assigned, Item, Line, read};
+use super::places::{are_plain, leave_as_text, push_block_number};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, needs_interpreter, syntax};
 use crate::host::{Answer, Call, Host, Programs};
@@ -132,22 +133,31 @@ impl Siemens {
                 }
             }
         }
-        if left.before.is_empty() && left.places.are_words_of(&left.words, block) {
-            return Ok(left.places.push(host, line, &left.words, block));
+        let Left { before, words, places, .. } = left;
+        let is_covered = places.are_words_of(&words, block);
+        let is_plain = before.iter().all(|words| are_plain(words)) && (is_covered || are_plain(&words));
+        if block.is_empty() || !is_plain {
+            return Ok(leave_as_text(host, line, &before, &words));
         }
-        let mut text = left.before.join("\n");
-        if !left.words.is_empty() {
-            if !text.is_empty() {
-                text.push('\n');
+        for (at, own) in before.iter().enumerate() {
+            if at > 0 {
+                host.end_block();
             }
-            if let Some(number) = line.number.as_ref().filter(|_| host.is_register("N")) {
-                text.push('N');
-                text.push_str(number);
-                text.push(' ');
-            }
-            text.push_str(&left.words);
+            places.push_made(host, &mut self.known.meanings, own, block);
         }
-        Ok(Some(text).filter(|text| !text.is_empty()).into())
+        if words.is_empty() {
+            return Ok(if before.is_empty() { Remaining::Nothing } else { Remaining::Words });
+        }
+        if !before.is_empty() {
+            host.end_block();
+        }
+        push_block_number(host, line, block);
+        if is_covered {
+            places.push(host, &words, block);
+        } else {
+            places.push_made(host, &mut self.known.meanings, &words, block);
+        }
+        Ok(Remaining::Words)
     }
 
     pub(super) fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<Then> {

@@ -225,6 +225,13 @@ fn few_decimals(value: f64) -> Option<String> {
     Some(text)
 }
 
+/// Whether this is a number as written in a program.
+pub(super) fn is_number(text: &str) -> bool {
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    let plain = digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    plain && digits.bytes().filter(|byte| *byte == b'.').count() < 2 && digits.bytes().any(|byte| byte.is_ascii_digit())
+}
+
 #[cfg(test)]
 mod tests {
     use super::{few_decimals, nine_decimals, shown};

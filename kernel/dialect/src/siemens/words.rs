@@ -12,11 +12,13 @@ use super::evaluate::{number, words_name};
 use super::expression::{Argument, Name, as_name};
 use super::left::Left;
 use super::line::{Assigned, Positioning, Width};
-use super::value::{Data, shown};
+use super::value::{Data, is_number, shown};
 use super::{Fault, Outcome, Siemens};
 use crate::host::{AxisPlace, Host};
+use crate::words::Meanings;
 use counterpoint_fault as diag;
 use counterpoint_machine::index::RegisterId;
+use rustc_hash::FxHashMap;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
@@ -30,6 +32,14 @@ const OTHERWISE: [(&str, Positioning, &str); 4] = [
 ];
 /// Most addresses whose spelling is remembered.
 const MOST_SPELLINGS: usize = 500;
+
+/// Words of the machine that have been looked up.
+#[derive(Debug, Default)]
+pub(super) struct MachineWords {
+    /// How the machine spells addresses.
+    pub(super) spellings: FxHashMap<String, Spelling>,
+    pub(super) meanings: Meanings,
+}
 
 /// How the registers of the machine spell an address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -182,7 +192,7 @@ impl Siemens {
 
     /// How the registers of the machine spell an address.
     fn spelling(&mut self, host: &dyn Host, address: &str) -> Spelling {
-        if let Some(known) = self.spellings.get(address) {
+        if let Some(known) = self.known.spellings.get(address) {
             return *known;
         }
         let with_sign = format!("{address}=");
@@ -191,8 +201,8 @@ impl Siemens {
             equals: host.is_register(&with_sign),
             data: [address, &*with_sign].map(|before| host.data_register(before)),
         };
-        if self.spellings.len() < MOST_SPELLINGS {
-            self.spellings.insert(address.to_owned(), spelling);
+        if self.known.spellings.len() < MOST_SPELLINGS {
+            self.known.spellings.insert(address.to_owned(), spelling);
         }
         spelling
     }
@@ -234,13 +244,6 @@ pub(super) fn begins_with_code(host: &dyn Host, name: &str) -> bool {
     let is_name = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
     let mut beginnings = (2..name.len()).filter_map(|end| name.get(..end));
     is_name && letters != name && !host.is_register(letters) && beginnings.any(|beginning| host.is_code_text(beginning))
-}
-
-/// Whether this is a number as written in a program.
-fn is_number(text: &str) -> bool {
-    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
-    let plain = digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
-    plain && digits.bytes().filter(|byte| *byte == b'.').count() < 2 && digits.bytes().any(|byte| byte.is_ascii_digit())
 }
 
 /// DAC, DIC, RAC and RIC as the program counts: a position or a distance across the axis of turning.

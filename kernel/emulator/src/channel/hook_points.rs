@@ -59,8 +59,6 @@ pub(crate) struct BlockHooks {
     pub(crate) preprocessed: fn(&mut Kernel<'_>) -> Acted,
     /// Pre-Processor Shutdown for words that the pre-processor made.
     pub(crate) made: fn(&mut Kernel<'_>) -> Acted,
-    /// Pre-Processor Shutdown for a text that the pre-processor left; decides about that text.
-    pub(crate) left: fn(&mut Kernel<'_>, &str) -> Acted,
     /// Comments and messages of a statement, before it is executed.
     pub(crate) statement: fn(&mut Kernel<'_>, &[u8]) -> Acted,
     /// Pre-Processor Shutdown after a statement that left no words.

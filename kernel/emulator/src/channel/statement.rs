@@ -1,8 +1,7 @@
 //! Statements: blocks for the interpreter of the control.
 //!
-//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* an interpreter leaves words in the block, or
-//! a text that is split into words as any block is (Heidenhain, and Siemens where other words replace those of the
-//! block). On a kernel with macros they continue to Pre-Processor Shutdown.
+//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* an interpreter leaves words in the block, never
+//! a text. On a kernel with macros they continue to Pre-Processor Shutdown.
 
 use std::sync::Arc;
 
@@ -10,7 +9,7 @@ use counterpoint_fault::Acted;
 
 use super::Kernel;
 use super::flow::{Callee, Frame};
-use counterpoint_dialect::{Call, Interpreter, Made, Remaining};
+use counterpoint_dialect::{Call, Interpreter, Remaining};
 use counterpoint_fault as diag;
 use counterpoint_program::source::Source;
 use counterpoint_program::spot::Spot;
@@ -49,19 +48,18 @@ impl Kernel<'_> {
             self.forget_lines();
         }
         match made {
-            Some(Ok(Made::Nothing)) => Ok(()),
-            Some(Ok(Made::Words)) => self.made_words(),
+            Some(Ok(Remaining::Nothing)) => Ok(()),
+            Some(Ok(Remaining::Words)) => self.made_words(),
             Some(Err(halt)) => Err(halt),
             None => self.statement_line(source.line(line.1)),
         }
     }
 
-    /// Executes the words or the text that an interpreter has left of a block.
+    /// Executes the words that an interpreter has left of a block.
     fn remains(&mut self, remaining: Remaining, text: &[u8]) -> Acted {
         match remaining {
             Remaining::Nothing => Ok(()),
             Remaining::Words => self.remaining_words(text),
-            Remaining::Text(left) => left.split('\n').try_for_each(|left| self.left_words(left, text)),
         }
     }
 
@@ -75,32 +73,6 @@ impl Kernel<'_> {
         if let Some(read) = read {
             self.channel.text.edited = read;
         }
-        acted
-    }
-
-    /// Executes the text of remaining words of a block.
-    fn left_words(&mut self, text: &str, whole: &[u8]) -> Acted {
-        // A sequence number alone is nothing that a loop could wait for.
-        let number = text.trim().strip_prefix(['N', 'n']).unwrap_or("");
-        if number.is_empty() || !number.bytes().all(|byte| byte.is_ascii_digit()) {
-            self.flow.pass.effects = true;
-        }
-        if text.trim().as_bytes() != whole.trim_ascii() {
-            self.trace_left(text);
-        }
-        if let Some(hooks) = self.plan.hooks {
-            return (hooks.block.left)(self, text);
-        }
-        if text.trim().is_empty() {
-            return Ok(());
-        }
-        let read = self.channel.text.edited.replace(Arc::from(text.as_bytes()));
-        let plan = self.plan;
-        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
-        scanner.scan_as(text.as_bytes(), self.channel.state.secondary, &mut self.channel.block, false);
-        let acted = self.words();
-        // The next block has a text of its own.
-        self.channel.text.edited = read;
         acted
     }
 

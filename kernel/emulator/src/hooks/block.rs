@@ -106,15 +106,6 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Pre-Processor Shutdown for a text that the pre-processor left.
-    pub(crate) fn text_left(&mut self, text: &str) -> Acted {
-        self.macros.block.made = true;
-        self.macros.block.text = Some(Arc::new(text.to_owned()));
-        self.block_macro(Hook::PreprocessorShutdown)?;
-        self.split_again();
-        self.words()
-    }
-
     /// Words as text: the template as changed by the pre-processor.
     fn write_block(&mut self) {
         let mut text = String::new();

@@ -146,14 +146,11 @@ impl Words for Kernel<'_> {
             let before = row.second.as_ref().filter(|_| incremental).unwrap_or(&row.before);
             format!("{before}{value}{}", row.after)
         });
-        let block = &mut self.channel.block;
-        block.flags.irregular |= bits;
-        if Some(register) == plan.scanner.sequence() && block.sequence.is_none() && value >= 0.0 {
-            block.sequence = Some(value as u32);
-            return;
+        self.channel.block.flags.irregular |= bits;
+        if !self.take_sequence(register, value) {
+            self.channel.block.push(Word { register, incremental, used: false, made: true, value, start, end });
+            self.flow.pass.effects = true;
         }
-        block.push(Word { register, incremental, used: false, made: true, value, start, end });
-        self.flow.pass.effects = true;
     }
 
     fn push_literal(&mut self, row: CodeRowId, span: (u32, u32)) {
@@ -184,9 +181,11 @@ impl Words for Kernel<'_> {
         let read = self.plan.scanner.reading_of(register, number.as_bytes(), self.channel.state.secondary);
         let Some((value, bits)) = read else { return false };
         self.channel.block.flags.irregular |= bits;
-        self.channel.block.push(Word { register, incremental, used: false, made: true, value, start, end });
         self.dialect.left.add(|| word.to_owned());
-        self.flow.pass.effects = true;
+        if !self.take_sequence(register, value) {
+            self.channel.block.push(Word { register, incremental, used: false, made: true, value, start, end });
+            self.flow.pass.effects = true;
+        }
         true
     }
 
