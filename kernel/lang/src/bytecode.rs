@@ -401,6 +401,12 @@ pub struct Code {
 }
 
 impl Code {
+    /// Whether it reads a system variable.
+    #[must_use]
+    pub fn reads(&self, variable: u16) -> bool {
+        self.ops.iter().any(|op| matches!(op, Op::ReadSystem { system, .. } if *system == variable))
+    }
+
     pub(crate) fn empty(source: &Arc<Source>) -> Code {
         Code {
             name: String::new(),

@@ -59,6 +59,8 @@ pub(crate) struct BlockHooks {
     pub(crate) preprocessed: fn(&mut Kernel<'_>) -> Acted,
     /// Pre-Processor Shutdown for words that the pre-processor made.
     pub(crate) made: fn(&mut Kernel<'_>) -> Acted,
+    /// Whether a macro may read the words that the pre-processor leaves of the block.
+    pub(crate) reads_left: fn(&Kernel<'_>) -> bool,
     /// Comments and messages of a statement, before it is executed.
     pub(crate) statement: fn(&mut Kernel<'_>, &[u8]) -> Acted,
     /// Pre-Processor Shutdown after a statement that left no words.

@@ -55,7 +55,7 @@ impl Kernel<'_> {
     /// Whether a trace or a macro may ask for the text of the words that an interpreter leaves.
     #[inline]
     pub(crate) fn asks_left_text(&self) -> bool {
-        self.channel.env.trace.is_some() || self.plan.hooks.is_some()
+        self.channel.env.trace.is_some() || self.plan.hooks.is_some_and(|hooks| (hooks.block.reads_left)(self))
     }
 
     /// Adds a value as a word of a register.

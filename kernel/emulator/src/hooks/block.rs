@@ -18,6 +18,10 @@ use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::Point;
 use counterpoint_program::scan::Scanner;
 
+/// Macros that get the text of the words.
+const READERS: [Hook; 4] =
+    [Hook::PreprocessorShutdown, Hook::BlockStartup, Hook::SubprogramStartup, Hook::SubprogramShutdown];
+
 impl Kernel<'_> {
     /// Makes a text the block: a line of the file, or a block that EXEC issued.
     pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
@@ -104,6 +108,13 @@ impl Kernel<'_> {
             self.split_again();
         }
         Ok(())
+    }
+
+    /// Whether a macro or embedded code may read the words that the pre-processor leaves of the block.
+    pub(crate) fn reads_left(&self) -> bool {
+        let macros = self.channel.env.machine.macros.as_deref();
+        let runs = macros.is_some_and(|macros| READERS.into_iter().any(|hook| macros.hook(hook).is_some()));
+        runs || self.macros.calls.read_block || self.has_embedded(1)
     }
 
     /// Words as text: the template as changed by the pre-processor.

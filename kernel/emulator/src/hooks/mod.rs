@@ -24,6 +24,7 @@ pub static POINTS: HookPoints = HookPoints {
         edit: |kernel| kernel.edit_block(),
         preprocessed: |kernel| kernel.after_preprocessor(),
         made: |kernel| kernel.words_as_text(),
+        reads_left: |kernel| kernel.reads_left(),
         statement: |kernel, text| kernel.remarks_of_statement(text),
         consumed: |kernel| kernel.consumed_block(),
         words: |kernel| kernel.before_codes(),

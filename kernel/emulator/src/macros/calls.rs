@@ -4,7 +4,7 @@
 //! the machine that runs it, and a call back into the kernel puts it here first. Facts: reference control-emulator.md
 //! 4, macro-language.md 7.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::compile::Program;
@@ -15,6 +15,7 @@ use counterpoint_lang::vm::{Limits, State};
 use crate::state::cycle::Hole;
 use counterpoint_event::event::{Motion, ToolAction};
 use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::macros::system;
 use counterpoint_program::block::PendingCode;
 
 /// Steps that one call of a macro may take, with everything it calls.
@@ -88,10 +89,21 @@ pub(crate) struct Calls {
     busy: Vec<bool>,
     /// Arguments that each macro uses, bit by number.
     arguments: Vec<u128>,
+    /// Whether some macro reads the block as the pre-processor left it.
+    pub(crate) read_block: bool,
     /// Why the kernel leaves its program, found while a macro was running.
     pub(crate) halt: Option<Halt>,
     /// Running macros are being ended because of that.
     pub(crate) ending: bool,
+}
+
+/// The system variable of the block as the pre-processor left it.
+fn block_variable() -> Option<u16> {
+    static PLACE: OnceLock<Option<u16>> = OnceLock::new();
+    *PLACE.get_or_init(|| {
+        let place = system::table().iter().position(|variable| variable.name == "$MCD");
+        place.and_then(|place| u16::try_from(place).ok())
+    })
 }
 
 fn limits(memory: u64) -> Limits {
@@ -114,6 +126,7 @@ impl Calls {
         for code in program.macros.iter().skip(self.arguments.len()) {
             let bits = code.signature.arguments.iter().filter(|(number, _)| *number < 128);
             self.arguments.push(bits.fold(0, |bits, (number, _)| bits | 1 << number));
+            self.read_block |= block_variable().is_some_and(|variable| code.reads(variable));
         }
     }
 
