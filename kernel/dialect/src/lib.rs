@@ -2,9 +2,9 @@
 //!
 //! Facts: reference control-emulator.md 5.4. `definition` defines a dialect, `table` names all of them, and `host` is
 //! the view that their interpreters have of the kernel. An [`Interpreter`] gets the text of a block that is more than
-//! plain words and leaves words or text. *Invariants:* an interpreter reaches its kernel only through `Host`; the
-//! folders of the controls use the shared modules (`expression`, `search`, `call_stack`, `contour`, `kept`, `numeric`,
-//! `text`) and never each other.
+//! plain words and leaves words. *Invariants:* an interpreter reaches its kernel only through `Host`; the
+//! folders of the controls use the shared modules (`expression`, `call_stack`, `contour`, `numeric`, `text`,
+//! `words`) and never each other.
 
 mod call_stack;
 mod contour;
@@ -15,13 +15,11 @@ mod heidenhain;
 mod host;
 mod interpreter;
 mod isg;
-mod kept;
 mod numeric;
 mod okuma;
 mod open_loops;
 pub mod outline;
 mod plain;
-mod search;
 mod siemens;
 mod statement;
 mod table;
@@ -29,6 +27,7 @@ mod text;
 mod words;
 
 pub use call_stack::{Aside, CallStack};
+pub use counterpoint_program::search::Search;
 pub use definition::{Dialect, Unknown};
 pub use host::{
     Answer, AxisPlace, Call, Coordination, Flow, Frames, Loops, MadeWord, Modes, NO_OFFSET, NotThere, Operands, Place,
@@ -37,5 +36,4 @@ pub use host::{
 pub use interpreter::{CycleWord, Interpreter, MacroCall, MadeBlocks, Remaining, Setting};
 pub use numeric::{VACANT, is_vacant};
 pub use outline::{Argument, Called, Deed, Goal, Named, Reader, Signalled, Step, sequence};
-pub use search::Search;
 pub use table::{all, of};

@@ -3,9 +3,9 @@
 //! *Invariant:* a block of the kernel that is filled from here has the words that were taken off it. A cycle leaves
 //! hundreds of thousands of blocks, so they share their memory.
 
+use crate::block::{Block, Word};
+use crate::line_up::LineUp;
 use counterpoint_machine::index::CodeRowId;
-use counterpoint_program::block::{Block, Word};
-use counterpoint_program::line_up::LineUp;
 
 /// Words whose memory is kept for the next block of the program.
 const MOST_KEPT: usize = 1000;
@@ -24,7 +24,7 @@ struct Ended {
 
 /// Blocks, one after another.
 #[derive(Debug, Default)]
-pub(crate) struct LeftBlocks {
+pub struct BlockList {
     words: Vec<Word>,
     texts: Vec<CodeRowId>,
     unrecognised: Vec<(u32, u32)>,
@@ -32,8 +32,9 @@ pub(crate) struct LeftBlocks {
     ends: Vec<Ended>,
 }
 
-impl LeftBlocks {
-    pub(super) fn clear(&mut self) {
+impl BlockList {
+    /// Forgets all blocks.
+    pub fn clear(&mut self) {
         self.words.clear();
         self.texts.clear();
         self.unrecognised.clear();
@@ -41,8 +42,8 @@ impl LeftBlocks {
         self.ends.clear();
     }
 
-    /// The same without blocks; the memory of many blocks is not kept.
-    pub(super) fn emptied(mut self) -> Self {
+    /// An empty list; the memory of many blocks is not kept.
+    pub fn emptied(mut self) -> Self {
         if self.words.capacity() > MOST_KEPT {
             return Self::default();
         }
@@ -50,16 +51,18 @@ impl LeftBlocks {
         self
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    /// Whether there is no block.
+    pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    pub(super) fn len(&self) -> usize {
+    /// Number of blocks.
+    pub fn len(&self) -> usize {
         self.ends.len()
     }
 
     /// Takes the words of a block with their text.
-    pub(super) fn push(&mut self, block: &mut Block, text: &mut String) {
+    pub fn push(&mut self, block: &mut Block, text: &mut String) {
         self.words.append(&mut block.words);
         self.texts.append(&mut block.texts);
         self.unrecognised.append(&mut block.unrecognised);
@@ -78,7 +81,7 @@ impl LeftBlocks {
     }
 
     /// Fills a block and its text with those of a place.
-    pub(super) fn fill(&self, at: usize, block: &mut Block, text: &mut String) {
+    pub fn fill(&self, at: usize, block: &mut Block, text: &mut String) {
         block.clear();
         text.clear();
         let Some(ended) = self.ends.get(at) else { return };

@@ -25,7 +25,7 @@ type Key = (FileId, u32);
 
 /// Lines by file and line number.
 #[derive(Debug)]
-pub(crate) struct Kept<L> {
+pub struct Kept<L> {
     lines: FxHashMap<Key, Arc<L>>,
     /// Those that were requested last, each at the place that its number gives it; none where it is not kept, or taken.
     at_hand: Box<[Option<Arc<L>>; AT_HAND]>,
@@ -47,7 +47,7 @@ impl<L> Default for Kept<L> {
 impl<L> Kept<L> {
     /// A line that was kept.
     #[inline(always)]
-    pub(crate) fn get(&mut self, key: Key) -> Option<&Arc<L>> {
+    pub fn get(&mut self, key: Key) -> Option<&Arc<L>> {
         let place = key.1 as usize % AT_HAND;
         if self.keys.get(place) != Some(&key) {
             self.take_in_hand(key);
@@ -57,7 +57,7 @@ impl<L> Kept<L> {
 
     /// Takes a line that was kept out of those at hand; [`give_back`](Self::give_back) makes it come at once again.
     #[inline(always)]
-    pub(crate) fn take(&mut self, key: Key) -> Option<Arc<L>> {
+    pub fn take(&mut self, key: Key) -> Option<Arc<L>> {
         let place = key.1 as usize % AT_HAND;
         if self.keys.get(place) != Some(&key) {
             self.take_in_hand(key);
@@ -71,7 +71,7 @@ impl<L> Kept<L> {
 
     /// Puts a line back to those at hand, unless another one has come there meanwhile.
     #[inline(always)]
-    pub(crate) fn give_back(&mut self, key: Key, line: Arc<L>) {
+    pub fn give_back(&mut self, key: Key, line: Arc<L>) {
         let place = key.1 as usize % AT_HAND;
         if let (Some(known), Some(slot)) = (self.keys.get_mut(place), self.at_hand.get_mut(place))
             && *known == NOTHING
@@ -90,7 +90,7 @@ impl<L> Kept<L> {
     }
 
     /// Keeps a line whose text has this many bytes.
-    pub(crate) fn insert(&mut self, key: Key, line: &Arc<L>, text: usize) {
+    pub fn insert(&mut self, key: Key, line: &Arc<L>, text: usize) {
         let size = LINE + text * PER_BYTE;
         if self.bytes + size > MOST {
             self.clear();
@@ -105,7 +105,7 @@ impl<L> Kept<L> {
     }
 
     /// Forgets all lines.
-    pub(crate) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         // The room of a large table is given back, too.
         self.lines = FxHashMap::default();
         self.at_hand.fill_with(|| None);
@@ -114,7 +114,7 @@ impl<L> Kept<L> {
     }
 
     /// Bytes that the lines take, about.
-    pub(crate) fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         self.bytes
     }
 }
@@ -123,14 +123,14 @@ impl<L> Kept<L> {
 const MOST_OF_TABLES: usize = 64 << 20;
 
 /// A table of the content of a program or file.
-pub(super) trait Table {
+pub trait Table {
     /// Bytes that it takes, about.
     fn bytes(&self) -> usize;
 }
 
 /// Tables by file, or by program.
 #[derive(Debug)]
-pub(super) struct Tables<K, T> {
+pub struct Tables<K, T> {
     tables: FxHashMap<K, Arc<T>>,
     /// The table that was requested last.
     at_hand: Option<(K, Arc<T>)>,
@@ -146,7 +146,7 @@ impl<K, T> Default for Tables<K, T> {
 impl<K: Copy + Eq + Hash, T: Table> Tables<K, T> {
     /// The table of a file or program, made when it is wanted for the first time.
     #[inline]
-    pub(super) fn get(&mut self, key: K, make: impl FnOnce() -> T) -> Arc<T>
+    pub fn get(&mut self, key: K, make: impl FnOnce() -> T) -> Arc<T>
     where
         T: Default,
     {
@@ -155,7 +155,7 @@ impl<K: Copy + Eq + Hash, T: Table> Tables<K, T> {
 
     /// The same for a look at it.
     #[inline]
-    pub(super) fn look(&mut self, key: K, make: impl FnOnce() -> T) -> &Arc<T>
+    pub fn look(&mut self, key: K, make: impl FnOnce() -> T) -> &Arc<T>
     where
         T: Default,
     {
@@ -182,14 +182,14 @@ impl<K: Copy + Eq + Hash, T: Table> Tables<K, T> {
     }
 
     /// Forgets all tables.
-    pub(super) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.tables = FxHashMap::default();
         self.at_hand = None;
         self.bytes = 0;
     }
 
     /// Bytes that they take, about.
-    pub(super) fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         self.bytes
     }
 }

@@ -1,8 +1,10 @@
 //! NC program text (machine control data): sources, layouts, words, the reader.
 
 pub mod block;
+pub mod block_list;
 pub mod by_first;
 pub mod callers;
+pub mod kept;
 pub mod key_words;
 pub mod layout;
 pub mod line_up;
@@ -12,6 +14,7 @@ pub mod presets;
 mod readers;
 mod rules;
 pub mod scan;
+pub mod search;
 pub mod sections;
 pub mod shape;
 pub mod source;

@@ -46,7 +46,7 @@ impl Search {
 
 /// Lines of a file by label.
 #[derive(Debug)]
-pub(crate) struct Labels<K> {
+pub struct Labels<K> {
     lines: FxHashMap<K, Vec<u32>>,
 }
 
@@ -58,12 +58,12 @@ impl<K> Default for Labels<K> {
 
 impl<K: Eq + Hash> Labels<K> {
     /// A label at a line; lines come in ascending order.
-    pub(crate) fn add(&mut self, label: K, line: u32) {
+    pub fn add(&mut self, label: K, line: u32) {
         self.lines.entry(label).or_default().push(line);
     }
 
     /// Lines with a label, ascending.
-    pub(crate) fn lines<Q: Eq + Hash + ?Sized>(&self, label: &Q) -> &[u32]
+    pub fn lines<Q: Eq + Hash + ?Sized>(&self, label: &Q) -> &[u32]
     where
         K: Borrow<Q>,
     {
@@ -71,13 +71,7 @@ impl<K: Eq + Hash> Labels<K> {
     }
 
     /// The line to go to from another one, within some lines.
-    pub(crate) fn find<Q: Eq + Hash + ?Sized>(
-        &self,
-        label: &Q,
-        search: Search,
-        here: u32,
-        around: (u32, u32),
-    ) -> Option<u32>
+    pub fn find<Q: Eq + Hash + ?Sized>(&self, label: &Q, search: Search, here: u32, around: (u32, u32)) -> Option<u32>
     where
         K: Borrow<Q>,
     {

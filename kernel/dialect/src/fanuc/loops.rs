@@ -1,8 +1,8 @@
 //! Which DO belongs to which END, and which IF to which ELSE and ENDIF, in one program.
 
 use super::statement::Statement;
-use crate::kept::Table;
 use crate::open_loops::OpenLoops;
+use counterpoint_program::kept::Table;
 use counterpoint_program::spot::Spot;
 
 /// Partners of the bracketing statements of a program, in the order of the blocks.

@@ -31,11 +31,11 @@ pub(crate) use control::Control;
 
 use super::host::{Host, NotThere};
 use super::interpreter::{Arguments, Interpreter, Remaining, Setting};
-use super::kept::{Kept, Tables};
 use super::numeric::is_vacant;
 use access::{Abandoned, Access};
 use compile::compile;
 use counterpoint_event::FileId;
+use counterpoint_program::kept::{Kept, Tables};
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 use expr::Fault;

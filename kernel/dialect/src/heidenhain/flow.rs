@@ -15,10 +15,10 @@ use super::statement::{self, Label, Statement};
 use super::variables::Value;
 use super::words::{LeftBlock, headed};
 use crate::host::{Call, Host};
-use crate::search::{Labels, Search};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_machine::stored::StoredFile;
+use counterpoint_program::search::{Labels, Search};
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 

@@ -68,11 +68,11 @@ use counterpoint_lang::value::Value;
 
 use super::host::Host;
 use super::interpreter::{Interpreter, MadeBlocks, Remaining, Setting};
-use crate::kept::{Kept, Tables};
-use crate::search::Labels;
 use crate::words::{Meanings, Span, span};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_program::kept::{Kept, Tables};
+use counterpoint_program::search::Labels;
 use counterpoint_program::shape::Range;
 use lex::Cursor;
 use path::Path;

@@ -12,9 +12,9 @@ use super::line::{Control, Item, Target};
 use super::places::{Block, Kind, Places};
 use super::{Fault, Isg, Outcome};
 use crate::host::{Call, Host, Programs};
-use crate::search::Search;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_program::search::Search;
 use counterpoint_program::shape::Range;
 
 fn loop_fault<T>(text: &str) -> Outcome<T> {

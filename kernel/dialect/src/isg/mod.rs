@@ -28,8 +28,8 @@ pub(crate) use control::Control;
 
 use super::host::Host;
 use super::interpreter::{Interpreter, Remaining, Setting};
-use crate::kept::{Kept, Tables};
 use counterpoint_event::FileId;
+use counterpoint_program::kept::{Kept, Tables};
 use cursor::{Cursor, Mistake};
 use expr::{Expr, Reader, Variable};
 

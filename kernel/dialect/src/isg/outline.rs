@@ -9,8 +9,8 @@ use super::places;
 use super::signals::Statement;
 use crate::host::{Programs, Signal};
 use crate::outline::{Called, Goal, Reader, Signalled, Step};
-use crate::search::Search;
 use crate::words::part;
+use counterpoint_program::search::Search;
 use counterpoint_program::spot::Spot;
 
 impl Reader for Isg {

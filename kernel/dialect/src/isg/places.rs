@@ -9,9 +9,9 @@ use rustc_hash::FxHashMap;
 
 use super::cursor::{Cursor, plain};
 use super::line::{Head, head};
-use crate::kept::Table;
-use crate::search::Labels;
 use crate::words::part;
+use counterpoint_program::kept::Table;
+use counterpoint_program::search::Labels;
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 use counterpoint_program::syntax::NamedPrograms;

@@ -32,10 +32,10 @@ pub(crate) use control::Control;
 
 use super::host::{Host, Programs};
 use super::interpreter::{Interpreter, Remaining, Setting};
-use crate::kept::{Kept, Tables};
 use crate::words::span;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_program::kept::{Kept, Tables};
 use counterpoint_program::shape::Range;
 use cursor::Cursor;
 use expr::{Expr, Reader, Variable};

@@ -9,9 +9,9 @@ use super::line::{Head, Wanted, is_header, read};
 use super::loops::{Loops, Open};
 use super::names::normal;
 use super::text::prepare;
-use crate::kept::Table;
-use crate::search::{Labels, Search};
 use crate::words::part;
+use counterpoint_program::kept::Table;
+use counterpoint_program::search::{Labels, Search};
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 

@@ -14,11 +14,11 @@ use super::line::{Direction, Item, Jump, Label, Line, Structure, head, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens};
 use crate::host::{Host, Place, Programs};
-use crate::kept::Table;
-use crate::search::{Labels, Search};
 use crate::text::without_comment;
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_program::kept::Table;
+use counterpoint_program::search::{Labels, Search};
 use counterpoint_program::shape::Range;
 use counterpoint_program::source::Source;
 

@@ -65,10 +65,10 @@ use rustc_hash::FxHashMap;
 
 use super::host::Host;
 use super::interpreter::{Interpreter, MadeBlocks, Remaining, Setting};
-use crate::kept::{Kept, Tables};
 use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_fault::Facts;
+use counterpoint_program::kept::{Kept, Tables};
 use counterpoint_program::shape::Range;
 
 pub(crate) use control::Control;

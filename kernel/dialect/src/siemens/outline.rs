@@ -13,9 +13,9 @@ use super::value::Data;
 use super::{Outcome, Siemens};
 use crate::host::Programs;
 use crate::outline::{Argument, Called, Goal, Named, Reader, Step};
-use crate::search::Search;
 use crate::text::without_comment;
 use counterpoint_event::FileId;
+use counterpoint_program::search::Search;
 use counterpoint_program::shape::Range;
 use counterpoint_program::spot::Spot;
 

@@ -6,11 +6,11 @@
 use std::sync::Arc;
 
 use super::Kernel;
-use super::left_blocks::LeftBlocks;
 use counterpoint_machine::index::RegisterId;
 use counterpoint_machine::number::{rounded, written};
 use counterpoint_machine::rows::Point;
 use counterpoint_program::block::{Block, Word, irregular};
+use counterpoint_program::block_list::BlockList;
 use counterpoint_program::key_words::Number;
 
 /// The words that an interpreter leaves, beside those of the block.
@@ -23,7 +23,7 @@ pub(crate) struct LeftWords {
     /// Text of a block of several lines.
     pub(crate) joined: Option<Arc<[u8]>>,
     /// Blocks before that of the kernel.
-    pub(super) blocks: LeftBlocks,
+    pub(super) blocks: BlockList,
 }
 
 impl LeftWords {

@@ -29,7 +29,6 @@ mod frame;
 pub(crate) mod hook_points;
 mod host;
 mod known_blocks;
-mod left_blocks;
 mod left_words;
 mod letter_zero;
 pub(crate) mod life;
