@@ -18,6 +18,7 @@ use crate::progress::Progress;
 use crate::report::report;
 use crate::step::{Interrupt, Stepper};
 use crate::summary::Summary;
+use crate::watch_all::watch_all;
 use crate::{
     admin, analyse, calibrate, completions, draft, explain, job_names, jobs, lint, load, machines, macros, man, many,
     results, run, say, status,
@@ -33,7 +34,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Watch(Watch { job: Some(job), remote, quiet, strict, .. }) => {
             watch(Follow { of: JobArgs { job, remote, quiet }, strict }).await
         }
-        Command::Watch(arguments) => jobs::watch(arguments).await,
+        Command::Watch(arguments) => watch_all(arguments).await,
         Command::Attend(arguments) => attend(arguments).await,
         Command::Step(arguments) => step(arguments).await,
         Command::Wait(arguments) => wait(arguments).await,

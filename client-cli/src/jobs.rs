@@ -1,16 +1,14 @@
-//! Many jobs: listed, followed, run again.
+//! Many jobs: listed, run again.
 
-use std::collections::VecDeque;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use counterpoint_client::JobUpdate;
 use counterpoint_proto::v1;
 use counterpoint_server::utc::{date_and_time, instant};
 
-use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Wait, Watch, When};
+use crate::arguments::{JobFilter, Jobs, Priority, RequestArgs, Rerun, State, Wait, When};
 use crate::client::{Client, Submitted};
 use crate::error::Error;
-use crate::job_status::{awaited, json_line, labels, programs, ran_ms, simulated, state_name, waits, waits_for_client};
+use crate::job_status::{awaited, json_line, labels, programs, ran_ms, simulated, state_name, waits};
 use crate::say::{DIM, styled};
 use crate::text::{table, time};
 use crate::{job_names, say};
@@ -130,7 +128,11 @@ pub(crate) fn say_notes(submitted: &Submitted) {
 }
 
 /// At most `most` jobs of a list, page by page.
-async fn listed(client: &Client, mut request: v1::ListJobsRequest, most: usize) -> Result<Vec<v1::JobStatus>, Error> {
+pub(crate) async fn listed(
+    client: &Client,
+    mut request: v1::ListJobsRequest,
+    most: usize,
+) -> Result<Vec<v1::JobStatus>, Error> {
     let mut rows = Vec::new();
     while rows.len() < most {
         request.page_size = u32::try_from((most - rows.len()).min(PAGE)).unwrap_or(0);
@@ -216,65 +218,12 @@ fn row(job: &v1::JobStatus, long: bool, now_ms: i64) -> Vec<String> {
     vec![id.clone(), state, submitted, started, ran, cycle, job.machine.clone(), labels, programs(job)]
 }
 
-/// The line of a watch for a job.
-fn watched(job: &v1::JobStatus, json: bool) -> String {
-    if json {
-        return json_line(job).trim_end().to_owned();
-    }
-    let line = format!("{}  {:<9}  {}  {}", job.job_id, state_name(job), job.machine, programs(job));
-    let waits = job.operator_wait.as_ref().map(|wait| format!("  {}", waits_for_client(&job.job_id, wait)));
-    line + if job.reused_from.is_empty() { "" } else { "  (reused)" } + &waits.unwrap_or_default()
-}
-
-/// Jobs that match a filter and have ended since a time (ms since 1970), in the order of submission.
-async fn ended_since(client: &Client, jobs: &JobFilter, since_ms: i64) -> Result<VecDeque<v1::JobStatus>, Error> {
-    let request = v1::ListJobsRequest { filter: Some(filter(jobs)), ..Default::default() };
-    let jobs = listed(client, request, usize::MAX).await?.into_iter();
-    Ok(jobs.filter(|job| job.ended_ms >= since_ms).collect())
-}
-
-/// Follows the states of jobs, reconnecting if necessary, until it is interrupted.
-pub(crate) async fn watch(arguments: Watch) -> Result<u8, Error> {
-    let client = Client::connect(&arguments.remote.server).await?;
-    let mut watch = client.watch_jobs(filter(&arguments.filter));
-    // Time of the server at the last known change.
-    let mut known_ms = now_ms();
-    let mut missed = VecDeque::new();
-    loop {
-        if let Some(job) = missed.pop_front() {
-            say::data(format!("{}\n", watched(&job, arguments.json)).as_bytes())?;
-            continue;
-        }
-        let update = tokio::select! {
-            update = watch.next() => update?,
-            _ = tokio::signal::ctrl_c() => return Ok(0),
-        };
-        let line = match update {
-            JobUpdate::Job(job) => {
-                known_ms = known_ms.max(job.submitted_ms).max(job.started_ms).max(job.ended_ms);
-                watched(&job, arguments.json)
-            }
-            JobUpdate::Removed(job) if arguments.json => serde_json::json!({ "job": job, "removed": true }).to_string(),
-            JobUpdate::Removed(job) => format!("{job}  REMOVED"),
-            JobUpdate::Anew => {
-                say::status_line(
-                    "the server no longer knows all changes; the jobs that have ended in the meantime follow, then those \
-                     that have not ended",
-                );
-                missed = ended_since(&client, &arguments.filter, known_ms).await?;
-                continue;
-            }
-        };
-        say::data(format!("{line}\n").as_bytes())?;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn lists_and_watches_show_the_wait_for_a_client() {
+    fn a_list_shows_the_wait_for_a_client() {
         let job = v1::JobStatus {
             job_id: "01938f2c".to_owned(),
             state: v1::JobState::Running.into(),
@@ -282,8 +231,5 @@ mod tests {
             ..Default::default()
         };
         assert_eq!(row(&job, true, 5000)[1], "RUNNING (waits for a step command)");
-        let line = watched(&job, false);
-        let text = "  waits for a step command since 1970-01-01 00:00:04 UTC: counterpoint step 01938f2c";
-        assert!(line.starts_with("01938f2c  RUNNING") && line.ends_with(text), "{line}");
     }
 }

@@ -62,6 +62,7 @@ mod text;
 mod timeline;
 mod tools;
 mod visible;
+mod watch_all;
 
 use std::process::ExitCode;
 

@@ -28,7 +28,8 @@ pub enum JobUpdate {
     Removed(String),
     /// The server no longer knows all changes since the cursor, for example after a restart. The jobs that have not
     /// ended follow. To find the jobs that have ended in the meantime, call `ListJobs` when you receive this update.
-    /// The watch has already restarted, so it delivers all later changes.
+    /// The watch has already restarted, so it delivers all later changes. Compare the jobs by their ids: ends are not
+    /// delivered in the order of their times.
     Anew,
 }
 
