@@ -72,6 +72,13 @@ pub(crate) struct Identity {
     pub(crate) role: Role,
 }
 
+impl Identity {
+    /// Text that no other identity has.
+    pub(crate) fn key(&self) -> String {
+        format!("{}/{}", self.tenant, self.name)
+    }
+}
+
 /// Most characters of the subject of a call in the audit log.
 const TARGET: usize = 128;
 

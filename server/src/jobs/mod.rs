@@ -26,7 +26,6 @@ pub(crate) mod progress;
 pub(crate) mod received;
 mod recent;
 mod recovery;
-pub(crate) mod renders;
 mod reuse;
 pub(crate) mod shares;
 mod sink;
@@ -35,6 +34,7 @@ pub(crate) mod streams;
 pub(crate) mod suspicion;
 mod system;
 mod tally;
+pub(crate) mod turns;
 pub(crate) mod worker;
 
 use std::sync::Arc;

@@ -9,7 +9,7 @@ use dashmap::DashMap;
 use tokio::sync::{Semaphore, SemaphorePermit};
 
 use super::live::Live;
-use super::renders::Renders;
+use super::turns::Turns;
 
 /// A watch.
 #[derive(Debug)]
@@ -32,7 +32,10 @@ pub(crate) struct Streams {
     open: DashMap<u64, Arc<Stream>>,
     /// Places for reads of logs: more at once make none of them faster, and each thread keeps memory of its own.
     reads: Semaphore,
-    pub(crate) renders: Arc<Renders>,
+    /// Turns of tenants to make results.
+    pub(crate) renders: Arc<Turns>,
+    /// Turns of identities to read rows of the ledger, machines and blobs.
+    pub(crate) lookups: Arc<Turns>,
 }
 
 impl Default for Streams {
@@ -43,6 +46,7 @@ impl Default for Streams {
             open: DashMap::new(),
             reads: Semaphore::new(2 * cores),
             renders: Arc::default(),
+            lookups: Arc::default(),
         }
     }
 }

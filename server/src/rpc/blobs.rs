@@ -12,7 +12,7 @@ use tonic::{Request, Response, Status, Streaming};
 
 use super::door::{chunk as within, enter};
 use super::stream::{CHUNK, Chunk, stream};
-use super::{Blobs, blocking, to_the_end};
+use super::{Blobs, blocking, look_up, to_the_end};
 use crate::access::Caller;
 use crate::blobs::{Receiver, digest};
 use crate::jobs::Core;
@@ -57,7 +57,8 @@ impl Service for Blobs {
     ) -> Result<Response<v1::FindMissingResponse>, Status> {
         let (caller, v1::FindMissingRequest { digests }) = enter(request)?;
         let blobs = self.0.blobs.of(caller.tenant());
-        let digests = blocking(move || Ok(digests.into_iter().filter(|d| !blobs.offers(d)).collect())).await?;
+        let ask = move || Ok(digests.into_iter().filter(|d| !blobs.offers(d)).collect());
+        let digests = look_up(&self.0, &caller.identity.key(), ask).await?;
         Ok(Response::new(v1::FindMissingResponse { digests }))
     }
 

@@ -14,7 +14,7 @@ use tracing::Instrument as _;
 
 use super::door::{enter, page_token};
 use super::many::{self, Act, Choice};
-use super::{Jobs, blocking, job, submit, to_the_end, watch, watch_jobs};
+use super::{Jobs, blocking, job, look_up, submit, to_the_end, watch, watch_jobs};
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::{description, options, status};
@@ -130,7 +130,7 @@ impl Service for Jobs {
             let taken = core.memory().take_for_answer(ANSWER_COPIES * answer.encoded_len() as u64)?;
             Ok(counted(answer, taken))
         };
-        Ok(blocking(read).await?)
+        Ok(look_up(&self.0, &caller.identity.key(), read).await?)
     }
 
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
@@ -144,7 +144,7 @@ impl Service for Jobs {
             None => return Ok(Response::new(v1::ListJobsResponse::default())),
         }
         let core = self.0.clone();
-        let answer = blocking(move || {
+        let read = move || {
             let query = Query {
                 newest_first: request.newest_first,
                 short_ids: request.short_ids,
@@ -164,8 +164,8 @@ impl Service for Jobs {
                 jobs.iter_mut().for_each(|job| alone.mark(job));
             }
             Ok(counted(v1::ListJobsResponse { jobs, next_page_token: page.next.unwrap_or_default() }, taken))
-        });
-        Ok(answer.await?)
+        };
+        Ok(look_up(&self.0, &caller.identity.key(), read).await?)
     }
 
     type WatchJobStream = ReceiverStream<Result<v1::WatchJobResponse, Status>>;
@@ -282,7 +282,7 @@ impl Service for Jobs {
         request: Request<v1::WatchJobsRequest>,
     ) -> Result<Response<Self::WatchJobsStream>, Status> {
         let (caller, request) = enter(request)?;
-        let watch = watch_jobs::WatchJobs::new(self.0.clone(), caller.tenant(), request)?;
+        let watch = watch_jobs::WatchJobs::new(self.0.clone(), &caller, request)?;
         let (send, receive) = mpsc::channel(1);
         // Ends with the client or with the drain.
         tokio::spawn(watch.run(send).instrument(tracing::info_span!("watch jobs")));

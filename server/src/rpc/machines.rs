@@ -9,7 +9,7 @@ use prost::Message as _;
 use tonic::{Request, Response, Status};
 
 use super::door::{enter, some_entries};
-use super::{Machines, blocking, page, submit, to_the_end};
+use super::{Machines, look_up, page, submit, to_the_end};
 use crate::access::Role;
 use crate::jobs::Core;
 use crate::jobs::describe::finding;
@@ -38,7 +38,8 @@ impl Service for Machines {
             return Err(Refusal::MachineShipped(request.name).into());
         }
         let (tenant, trusted) = (caller.tenant().to_owned(), caller.identity.role >= Role::Admin);
-        let (definition, checked) = blocking(move || {
+        let identity = caller.identity.key();
+        let (definition, checked) = look_up(&self.0, &identity, move || {
             core.within_quotas(&tenant)?;
             let definition = Definition { trusted, ..definition(&core, tenant, request.name, request.files)? };
             let checked = core.machines.load(&definition)?;
@@ -64,7 +65,8 @@ impl Service for Machines {
         caller.about(&request.name);
         let section = v1::MachineSection::try_from(request.section)
             .map_err(|_| Refusal::field("section", format!("{} is not a section", request.section)))?;
-        let answer = blocking(move || {
+        let identity = caller.identity.key();
+        let answer = look_up(&self.0, &identity, move || {
             let definition = submit::machine(&core, caller.tenant(), &request.name)?;
             let checked = core.machines.load(&definition)?;
             let machine = Some(summary(&definition, &checked));
@@ -84,7 +86,8 @@ impl Service for Machines {
         request: Request<v1::ListMachinesRequest>,
     ) -> Result<Response<v1::ListMachinesResponse>, Status> {
         let (core, (caller, request)) = (self.0.clone(), enter(request)?);
-        let answer = blocking(move || {
+        let identity = caller.identity.key();
+        let answer = look_up(&self.0, &identity, move || {
             let mut all = core.ledger.machines(caller.tenant())?;
             all.retain(|definition| !core.reserved(&definition.name));
             let shadowed = |name: &String| all.iter().any(|d| d.name == *name);
@@ -125,7 +128,8 @@ impl Service for Machines {
     ) -> Result<Response<v1::CheckMachineResponse>, Status> {
         let (core, (caller, request)) = (self.0.clone(), enter(request)?);
         caller.about(&request.name);
-        let checked = blocking(move || {
+        let identity = caller.identity.key();
+        let checked = look_up(&self.0, &identity, move || {
             let definition = if request.files.is_empty() {
                 submit::machine(&core, caller.tenant(), &request.name)?
             } else {

@@ -10,7 +10,7 @@ use tokio::task::JoinSet;
 use tracing::Instrument as _;
 
 use super::door::page_token;
-use super::{blocking, to_the_end};
+use super::{look_up, to_the_end};
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::filter::{ENDED, Filter, OPEN};
@@ -81,7 +81,7 @@ pub(super) async fn each(
     let size = if choice.page_size == 0 { MOST } else { (choice.page_size as usize).min(MOST) };
     let (core, tenant) = (core.clone(), caller.tenant().to_owned());
     let (find, of) = (core.clone(), filter.clone());
-    let (ids, next) = blocking(move || {
+    let (ids, next) = look_up(&core, &caller.identity.key(), move || {
         let query = Query {
             newest_first: true,
             after: choice.page_token,

@@ -99,6 +99,23 @@ fn page<T, M: Message>(
     Ok((page, String::new()))
 }
 
+/// Reads for an identity what may block, as soon as it has a turn: a flood of calls takes few threads, and a call whose
+/// client leaves before its turn begins nothing.
+async fn look_up<T: Send + 'static>(
+    core: &Core,
+    identity: &str,
+    read: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
+) -> Result<T, Refusal> {
+    let turn = core.streams.lookups.turn(identity).await;
+    // The thread holds the turn: the read goes on after its client has left.
+    let held = move || {
+        let read = read();
+        drop(turn);
+        read
+    };
+    blocking(held).await
+}
+
 /// Does work that may block.
 async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Result<T, Refusal> + Send + 'static) -> Result<T, Refusal> {
     tokio::task::spawn_blocking(work).await.map_err(|error| Refusal::Storage(error.to_string()))?

@@ -20,7 +20,7 @@ use super::stream::{Chunk, making, stream};
 use super::{Results, job, page};
 use crate::Record;
 use crate::access::Caller;
-use crate::jobs::renders::RenderTurn;
+use crate::jobs::turns::OwnTurn;
 use crate::jobs::{Core, Sandbox, worker};
 use crate::ledger::record::State;
 use crate::log::damage::gone;
@@ -154,11 +154,7 @@ fn format(number: i32) -> Result<v1::DrawingFormat, Refusal> {
 }
 
 /// Files written by the macros of an ended job.
-async fn written(
-    core: &Arc<Core>,
-    caller: &Caller,
-    id: String,
-) -> Result<(Vec<(String, String)>, RenderTurn), Refusal> {
+async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<(Vec<(String, String)>, OwnTurn), Refusal> {
     let turn = core.streams.renders.turn(caller.tenant()).await;
     let (core, caller) = (core.clone(), caller.clone());
     making(turn, move |_| {
@@ -242,7 +238,7 @@ struct Ended {
 
 impl Ended {
     /// Loads a job when it is the tenant's turn to make results.
-    async fn load(core: &Arc<Core>, caller: &Caller, id: String) -> Result<(Self, RenderTurn), Refusal> {
+    async fn load(core: &Arc<Core>, caller: &Caller, id: String) -> Result<(Self, OwnTurn), Refusal> {
         let turn = core.streams.renders.turn(caller.tenant()).await;
         let (core, caller, job) = (core.clone(), caller.clone(), id.clone());
         let loaded = making(turn, move |_| {

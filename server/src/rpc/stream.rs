@@ -14,7 +14,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Response, Status};
 
 use super::blocking;
-use crate::jobs::renders::RenderTurn;
+use crate::jobs::turns::OwnTurn;
 use crate::log::reader::Gone;
 use crate::reason::Refusal;
 
@@ -28,7 +28,7 @@ pub(super) trait Chunk: Send + 'static {
 
 /// Streams the output of `make` in chunks. `make` can check whether the client has disconnected.
 pub(super) fn stream<T: Chunk>(
-    turn: RenderTurn,
+    turn: OwnTurn,
     make: impl FnOnce(&mut dyn Write, &Gone) -> Result<(), Refusal> + Send + 'static,
 ) -> Response<ReceiverStream<Result<T, Status>>> {
     let (send, receive) = mpsc::channel(4);
@@ -47,9 +47,9 @@ pub(super) fn stream<T: Chunk>(
 /// Makes a value before the stream begins, and returns the turn with it. `make` can check whether the client has
 /// disconnected.
 pub(super) async fn making<T: Send + 'static>(
-    turn: RenderTurn,
+    turn: OwnTurn,
     make: impl FnOnce(&Gone) -> Result<T, Refusal> + Send + 'static,
-) -> Result<(T, RenderTurn), Refusal> {
+) -> Result<(T, OwnTurn), Refusal> {
     // The call is dropped when its client disconnects.
     let call = Arc::new(());
     let gone = Arc::downgrade(&call);
@@ -62,7 +62,7 @@ pub(super) async fn making<T: Send + 'static>(
 struct Chunks<T> {
     buffer: BytesMut,
     send: Sender<Result<T, Status>>,
-    turn: RenderTurn,
+    turn: OwnTurn,
 }
 
 impl<T: Chunk> Chunks<T> {

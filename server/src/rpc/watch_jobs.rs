@@ -14,8 +14,9 @@ use tokio::sync::mpsc;
 use tokio::time::timeout;
 use tonic::Status;
 
-use super::blocking;
+use super::look_up;
 use super::watch::{Over, SMALLEST, heartbeat};
+use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::feed::Change;
 use crate::jobs::filter::{Filter, OPEN};
@@ -34,6 +35,8 @@ type Out = mpsc::Sender<Result<v1::WatchJobsResponse, Status>>;
 pub(super) struct WatchJobs {
     core: Arc<Core>,
     tenant: String,
+    /// Key of the identity that watches.
+    identity: String,
     filter: Filter,
     heartbeat: Duration,
     /// Where the feed is read from; none: the jobs that have not ended come first.
@@ -41,16 +44,17 @@ pub(super) struct WatchJobs {
 }
 
 impl WatchJobs {
-    pub(super) fn new(core: Arc<Core>, tenant: &str, request: v1::WatchJobsRequest) -> Result<Self, Refusal> {
+    pub(super) fn new(core: Arc<Core>, caller: &Caller, request: v1::WatchJobsRequest) -> Result<Self, Refusal> {
         let cursor = Some(request.after).filter(|after| *after > 0);
         if let Some(cursor) = cursor {
             // A cursor that cannot be continued from is refused before the stream begins.
-            core.feed().after(tenant, cursor, 0)?;
+            core.feed().after(caller.tenant(), cursor, 0)?;
         }
         Ok(Self {
             filter: Filter::read(request.filter.unwrap_or_default())?,
             heartbeat: heartbeat(request.heartbeat_ms)?,
-            tenant: tenant.to_owned(),
+            tenant: caller.tenant().to_owned(),
+            identity: caller.identity.key(),
             cursor,
             core,
         })
@@ -120,14 +124,17 @@ impl WatchJobs {
             let (core, query) = (self.core.clone(), open.query(&self.tenant, &self.core, GROUP));
             let query = Query { after, ..query };
             let filter = self.filter.clone();
-            let (jobs, next) = blocking(move || {
+            let read = look_up(&self.core, &self.identity, move || {
                 let page = core.ledger.jobs(&query)?;
                 let jobs = page.jobs.into_iter().map(|record| core.current(record));
                 let changes: Vec<_> =
                     jobs.filter(|record| filter.takes(record)).map(|r| change(status_now(&core, r))).collect();
                 Ok((changes, page.next))
-            })
-            .await?;
+            });
+            let (jobs, next) = tokio::select! {
+                read = read => read?,
+                () = out.closed() => return Err(Over::Gone),
+            };
             if !jobs.is_empty() {
                 send(out, jobs, 0).await?;
             }
@@ -141,7 +148,7 @@ impl WatchJobs {
     /// The newest states of jobs that have changed, as many as a message may have, and the changes left.
     async fn read(&self, changes: Vec<Change>) -> Result<(Vec<v1::JobChange>, Vec<Change>), Refusal> {
         let (core, filter) = (self.core.clone(), self.filter.clone());
-        blocking(move || {
+        look_up(&self.core, &self.identity, move || {
             let (mut read, mut bytes) = (Vec::new(), 0);
             let mut changes = changes.into_iter();
             while bytes < PAGE_BYTES {

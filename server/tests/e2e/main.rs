@@ -73,6 +73,7 @@ mod output;
 mod paths;
 mod pause;
 mod rate;
+mod reads;
 mod refusals;
 mod rerun;
 mod roles;
