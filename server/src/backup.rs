@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 
 use uuid::Uuid;
 
-use crate::doctor::examine;
+use crate::doctor::examine_as;
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
-use crate::local::folder_lock::FolderLock;
+use crate::local::folder_lock::{FolderLock, Holder};
 use crate::local::ledger::checkup::{Checkup, copy_ledger};
 use crate::local::owner::Owner;
 use crate::local::store::{Store, keep_private};
@@ -86,12 +86,14 @@ fn has_ledger(folder: &Path) -> Result<(), String> {
 }
 
 fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
-    match Store::examine(from.to_owned(), false, Disk::default()) {
+    match Store::examine(from.to_owned(), false, Disk::default(), Holder::Backup) {
         Ok(store) => copy_ledger(&store, &to.join("ledger.redb"))?,
-        Err(error) if error.kind() == io::ErrorKind::ResourceBusy => ask(from, &to.join("ledger.redb"))?,
+        Err(error) if error.kind() == io::ErrorKind::ResourceBusy && may_be_of_server(from) => {
+            ask(from, &to.join("ledger.redb"))?
+        }
         Err(error) => return Err(error.into()),
     }
-    let target = Store::examine(to.to_owned(), true, Disk::default())?;
+    let target = Store::examine(to.to_owned(), true, Disk::default(), Holder::Backup)?;
     let checkup = Checkup::open(&target, true)?;
     let rows = checkup.rows()?;
     let mut gone = Vec::new();
@@ -124,6 +126,11 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
     Ok(Contents { jobs: rows.jobs.len(), blobs: needed.len(), left_out })
 }
 
+/// Whether the process that uses a folder may be a server, which copies its ledger on request.
+fn may_be_of_server(folder: &Path) -> bool {
+    FolderLock::holder(folder).is_none_or(|holder| holder == Holder::Server)
+}
+
 /// Asks the server that uses a folder for a copy of its ledger.
 fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
     let request = folder.join("tmp").join(format!("backup-{}", Uuid::now_v7()));
@@ -141,10 +148,10 @@ fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
                 "the server was restarted during the backup: run the backup again".to_owned(),
             ));
         }
-        // A server that starts while this process holds the lock would be refused.
+        // A server that starts while this process holds the lock would wait.
         if looked.elapsed() >= LOOK_FOR_SERVER {
             looked = Instant::now();
-            if FolderLock::of_a_reader(folder).is_ok() {
+            if FolderLock::is_free(folder) {
                 break "the server exited during the backup: run the backup again";
             }
         }
@@ -175,7 +182,7 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
             from.display()
         ));
     }
-    if let (Some(damage), false) = (examine(from, false)?.first(), damaged) {
+    if let (Some(damage), false) = (examine_as(from, false, Disk::default(), Holder::Restore)?.first(), damaged) {
         let all = format!("counterpointd doctor --data '{}'", from.display());
         return Err(format!(
             "the backup is damaged (all damages: {all}; restore it all the same: --damaged): {damage}"

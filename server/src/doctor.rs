@@ -12,6 +12,7 @@ use crate::ledger::record::Record;
 use crate::local::blobs::LocalBlobs;
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
+use crate::local::folder_lock::Holder;
 use crate::local::ledger::checkup::{Checkup, Rows};
 use crate::local::ledger::salvage::Saved;
 use crate::local::ledger::{lost, lost_for_good, not_lost, unopened_by};
@@ -63,7 +64,12 @@ pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
 /// # Errors
 /// As above.
 pub fn examine_on(folder: &Path, repair: bool, disk: Disk) -> Result<Vec<Damage>, String> {
-    let store = Store::examine(folder.to_owned(), repair, disk).map_err(|error| match is_of_host(&error) {
+    examine_as(folder, repair, disk, Holder::Doctor)
+}
+
+/// Does the same for another command.
+pub(crate) fn examine_as(folder: &Path, repair: bool, disk: Disk, holder: Holder) -> Result<Vec<Damage>, String> {
+    let store = Store::examine(folder.to_owned(), repair, disk, holder).map_err(|error| match is_of_host(&error) {
         true => error.to_string(),
         false => format!("'{}': {error}", folder.display()),
     })?;

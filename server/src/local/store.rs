@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::disk::{Disk, Temporary};
-use super::folder_lock::FolderLock;
+use super::folder_lock::{FolderLock, Holder};
 use super::free_space::FreeSpace;
 use super::marks::Marks;
 use super::named::{Named as _, can_be_written, named};
@@ -68,7 +68,7 @@ impl Store {
         let new = !root.is_dir();
         fs::create_dir_all(&root).at(&root)?;
         keep_private(&root);
-        let lock = Arc::new(FolderLock::take(&root)?);
+        let lock = Arc::new(FolderLock::take(&root, Holder::Server)?);
         let store = Self {
             marks: Arc::new(Marks::of(&root.join("marks"), disk.clone())?),
             root,
@@ -97,7 +97,7 @@ impl Store {
     }
 
     /// Opens an existing folder and changes nothing in it. For a repair the folder must be writable.
-    pub(crate) fn examine(root: PathBuf, repair: bool, disk: Disk) -> io::Result<Self> {
+    pub(crate) fn examine(root: PathBuf, repair: bool, disk: Disk, holder: Holder) -> io::Result<Self> {
         if !root.is_dir() {
             return Err(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"));
         }
@@ -107,7 +107,10 @@ impl Store {
                 .try_for_each(|path| can_be_written(path))?;
         }
         let disk = if repair { disk.for_owner_of(&root) } else { disk };
-        let lock = if repair { FolderLock::take_for(disk.owner(), &root) } else { FolderLock::of_a_reader(&root) };
+        let lock = match repair {
+            true => FolderLock::take_for(disk.owner(), &root, holder),
+            false => FolderLock::of_a_reader(&root, holder),
+        };
         let lock = Arc::new(lock?);
         Ok(Self {
             marks: Arc::new(Marks::of(&root.join("marks"), disk.clone())?),

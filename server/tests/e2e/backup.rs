@@ -5,6 +5,7 @@ use std::process::Command;
 
 use counterpoint_proto::v1;
 use counterpoint_server::doctor::examine;
+use counterpoint_server::local::disk::Disk;
 use tonic_types::StatusExt as _;
 
 use crate::support::*;
@@ -210,4 +211,21 @@ async fn a_cursor_from_before_a_restore_is_refused() {
     let request = v1::WatchJobsRequest { after: cursor, ..Default::default() };
     assert_eq!(reason(&server.jobs().watch_jobs(request).await.unwrap_err()), "CURSOR_TOO_OLD");
     server.stop().await;
+}
+
+/// A backup of a stopped server has the folder for as long as it copies the ledger.
+#[tokio::test]
+async fn a_server_that_starts_during_a_backup_waits_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    Server::start(options(&data)).await.stop().await;
+    let lock = std::fs::File::options().write(true).open(data.join("lock")).unwrap();
+    std::fs::write(data.join("lock"), format!("{} backup\n", std::process::id())).unwrap();
+    lock.lock().unwrap();
+    let waits = async {
+        tokio::time::sleep(std::time::Duration::from_secs(1)).await;
+        lock.unlock().unwrap();
+    };
+    let (server, ()) = tokio::join!(Server::try_start(options(&data), Disk::default()), waits);
+    server.unwrap_or_else(|error| panic!("{error}")).stop().await;
 }
