@@ -6,7 +6,7 @@
 //! otherwise not usable; only one command at a time writes to a folder.
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -16,6 +16,7 @@ use crate::doctor::examine_as;
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
 use crate::local::folder_lock::{FolderLock, Holder};
+use crate::local::ledger::backups::HELD;
 use crate::local::ledger::checkup::{Checkup, copy_ledger};
 use crate::local::owner::Owner;
 use crate::local::store::{Store, keep_private};
@@ -135,14 +136,19 @@ fn may_be_of_server(folder: &Path) -> bool {
 fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
     let request = folder.join("tmp").join(format!("backup-{}", Uuid::now_v7()));
     let (copy, ready) = (request.with_extension("copy"), request.with_extension("ready"));
-    File::create(&request)?;
+    let asker = File::create_new(&request)?;
+    // As long as this process lives, the server keeps the copy.
+    asker.lock()?;
+    (&asker).write_all(HELD)?;
     let (asked, mut looked) = (Instant::now(), Instant::now());
     let failure = loop {
         if ready.is_file() {
-            copy_file(&ready, to, Owner::default())?;
-            return Ok(fs::remove_file(&ready)?);
+            let copied = copy_file(&ready, to, Owner::default());
+            // The request first: for a request without a copy the server makes another one.
+            [&request, &ready].iter().for_each(|file| drop(fs::remove_file(file)));
+            return Ok(copied?);
         }
-        // Each of these files exists before the previous one is removed, and a server removes all of them at its start.
+        // A server removes all of them at its start; one of an earlier version removes each after the next one exists.
         if ![&request, &copy, &ready].into_iter().any(|file| file.exists()) {
             return Err(Refusal::Storage(
                 "the server was restarted during the backup: run the backup again".to_owned(),

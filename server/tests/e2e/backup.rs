@@ -213,6 +213,51 @@ async fn a_cursor_from_before_a_restore_is_refused() {
     server.stop().await;
 }
 
+/// A process that holds a request for a copy of the ledger, as `backup` does, and is killed before it takes the copy.
+#[tokio::test]
+async fn the_copy_of_the_ledger_for_a_backup_that_was_killed_is_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    let server = Server::start(options(&data)).await;
+    server.wait(&server.submit("one", "EVENTS 9").await).await;
+    let tmp = data.join("tmp");
+    let copies = || {
+        std::fs::read_dir(&tmp)
+            .unwrap()
+            .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().starts_with("backup-"))
+            .count()
+    };
+    // Each loop is a backup that is killed at another moment.
+    for pause in [20, 200, 900, 1100, 1300] {
+        let mut backup = Command::new(env!("CARGO_BIN_EXE_counterpointd"))
+            .arg("backup")
+            .arg(folder.path().join(format!("copy-{pause}")))
+            .arg("--data")
+            .arg(&data)
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        while copies() == 0 && backup.try_wait().unwrap().is_none() {
+            tokio::time::sleep(std::time::Duration::from_millis(1)).await;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(pause)).await;
+        // It may have ended.
+        let _ = backup.kill();
+        backup.wait().unwrap();
+    }
+    // A request whose copy was never taken.
+    let request = tmp.join("backup-0");
+    std::fs::write(&request, "held\n").unwrap();
+    std::fs::write(request.with_extension("ready"), "").unwrap();
+    let begin = std::time::Instant::now();
+    while copies() > 0 {
+        assert!(begin.elapsed().as_secs() < 20, "copies are left: {}", copies());
+        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+    }
+    server.stop().await;
+}
+
 /// A backup of a stopped server has the folder for as long as it copies the ledger.
 #[tokio::test]
 async fn a_server_that_starts_during_a_backup_waits_for_it() {

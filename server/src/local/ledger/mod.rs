@@ -3,6 +3,7 @@
 //! One writer thread ([`writer`]) takes operations from a bounded queue and commits them in groups. Readers use
 //! snapshots. Invariant: the ledger is written by that thread only.
 
+pub(crate) mod backups;
 mod blob_refs;
 pub(crate) mod checkup;
 mod compact;
@@ -443,20 +444,7 @@ impl Ledger for LocalLedger {
     }
 
     fn serve_backups(&self) {
-        for request in self.store.backups().unwrap_or_default() {
-            let copy = request.with_extension("copy");
-            let copied = self.read(|from| checkup::copy(from, &copy, &self.store)).and_then(|()| {
-                std::fs::remove_file(&request)?;
-                Ok(std::fs::rename(&copy, request.with_extension("ready"))?)
-            });
-            match copied {
-                Ok(()) => tracing::info!("the ledger has been copied for a backup"),
-                Err(error) => {
-                    tracing::warn!(%error, "the ledger cannot be copied for a backup");
-                    let _ = std::fs::remove_file(copy);
-                }
-            }
-        }
+        backups::serve(&self.store, |copy| self.read(|from| checkup::copy(from, copy, &self.store)));
     }
 
     fn compact_blocking(&self) -> Result<Compacted, Refusal> {
