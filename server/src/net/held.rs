@@ -4,10 +4,10 @@ use std::net::IpAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
-use std::time::Instant;
 
 use bytes::Bytes;
 use http_body::{Frame, SizeHint};
+use tokio::time::{Instant, sleep_until};
 use tonic::Status;
 use tonic::body::Body;
 
@@ -15,9 +15,26 @@ use crate::access::fair::Stay;
 use crate::connections::Call;
 use crate::memory::Taken;
 use crate::places::Place;
+use crate::reason::Refusal;
 
 /// Ready when a call has lost its rights, with the status to end the call.
 pub(super) type Ended = Pin<Box<dyn Future<Output = Status> + Send>>;
+
+/// The end of a call whose rights end or whose deadline passes, whichever is first.
+pub(super) fn ended(rights: Option<Ended>, deadline: Option<Instant>) -> Option<Ended> {
+    let Some(deadline) = deadline else { return rights };
+    Some(Box::pin(async move {
+        let late = sleep_until(deadline);
+        match rights {
+            None => late.await,
+            Some(rights) => tokio::select! {
+                status = rights => return status,
+                () = late => {}
+            },
+        }
+        Status::from(Refusal::CallDeadline)
+    }))
+}
 
 /// A body and its call.
 pub(super) struct Held {
@@ -67,7 +84,7 @@ impl http_body::Body for Held {
         }
         let polled = Pin::new(&mut self.body).poll_frame(cx);
         if let (Some(stay), Poll::Ready(Some(Ok(frame)))) = (&self.stay, &polled) {
-            stay.flows(frame.data_ref().map_or(0, Bytes::len), Instant::now());
+            stay.flows(frame.data_ref().map_or(0, Bytes::len), Instant::now().into_std());
         }
         polled
     }

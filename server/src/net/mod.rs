@@ -303,7 +303,8 @@ async fn answer(
             None => web.readable(request.headers()),
         },
     };
-    let deadline = deadline(request.headers()).and_then(|time| begin.checked_add(time));
+    let timeout = deadline(request.headers());
+    let deadline = timeout.as_ref().ok().and_then(|time| begin.checked_add((*time)?));
     let caller = match turn::admitted(&mut request, &peer, &call, deadline).await {
         Ok(caller) => caller,
         Err(mut refused) => {
@@ -319,6 +320,13 @@ async fn answer(
         *refused.status_mut() = status;
         if status == StatusCode::METHOD_NOT_ALLOWED {
             refused.headers_mut().insert(ALLOW, HeaderValue::from_static("POST"));
+        }
+        return Ok(refused.map(|body| Held::new(body, call, None, None)));
+    }
+    if let Err(refusal) = timeout {
+        let mut refused = peer.gate.refuse(peer.address, caller.as_ref(), &path, refusal);
+        if let Some(origin) = readable {
+            web::allow(refused.headers_mut(), origin);
         }
         return Ok(refused.map(|body| Held::new(body, call, None, None)));
     }
@@ -381,7 +389,8 @@ async fn answer(
         web::allow(response.headers_mut(), origin);
     }
     let taken = response.extensions_mut().remove();
-    Ok(response.map(|body| Held::new(body, call, stay, taken).until(rights).keeping(place)))
+    let ended = held::ended(rights, deadline.filter(|_| !late));
+    Ok(response.map(|body| Held::new(body, call, stay, taken).until(ended).keeping(place)))
 }
 
 /// Maximum size of a message to the call of a path, bytes, and the budget that counts it: none for health checks.
@@ -413,9 +422,15 @@ async fn ask(mut routes: Routes, request: Request<Body>, web: bool) -> Result<Re
     }
 }
 
-/// `grpc-timeout`: up to 8 digits and a unit.
-fn deadline(headers: &HeaderMap) -> Option<Duration> {
-    let text = headers.get("grpc-timeout")?.to_str().ok()?;
+/// Time that `grpc-timeout` gives a call, if any.
+fn deadline(headers: &HeaderMap) -> Result<Option<Duration>, Refusal> {
+    let Some(value) = headers.get("grpc-timeout") else { return Ok(None) };
+    let wrong = || Refusal::field("grpc-timeout", "must be 1 to 8 digits and a unit (H, M, S, m, u, n)");
+    value.to_str().ok().and_then(span).map(Some).ok_or_else(wrong)
+}
+
+/// A time as gRPC writes it: 1 to 8 digits and a unit.
+fn span(text: &str) -> Option<Duration> {
     let (digits, unit) = text.split_at_checked(text.len().checked_sub(1)?)?;
     if digits.len() > 8 || !digits.bytes().all(|b| b.is_ascii_digit()) {
         return None;
@@ -457,12 +472,12 @@ mod tests {
             headers.insert("grpc-timeout", text.parse().unwrap());
             deadline(&headers)
         };
-        assert_eq!(read("5S"), Some(Duration::from_secs(5)));
-        assert_eq!(read("250m"), Some(Duration::from_millis(250)));
-        assert_eq!(read("99999999H"), Some(Duration::from_secs(99_999_999 * 3600)));
+        assert_eq!(deadline(&HeaderMap::new()), Ok(None));
+        assert_eq!(read("5S"), Ok(Some(Duration::from_secs(5))));
+        assert_eq!(read("250m"), Ok(Some(Duration::from_millis(250))));
+        assert_eq!(read("99999999H"), Ok(Some(Duration::from_secs(99_999_999 * 3600))));
         for wrong in ["", "S", "5", "5x", "123456789S", "-1S", "ü"] {
-            let parsed = wrong.parse::<http::HeaderValue>().is_ok().then(|| read(wrong)).flatten();
-            assert_eq!(parsed, None, "{wrong}");
+            assert!(matches!(read(wrong), Err(Refusal::InvalidField { .. })), "{wrong}");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Code;
@@ -34,6 +35,34 @@ async fn an_address_has_a_bounded_number_of_health_watches() {
     while health.watch(HealthCheckRequest::default()).await.is_err() {
         assert!(begin.elapsed() < Duration::from_secs(20), "the place of a watch that has ended is free");
         tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    server.stop().await;
+}
+
+/// The deadline of gRPC is that of the whole call, so a stream that has begun ends at it, too.
+#[tokio::test]
+async fn a_stream_ends_at_the_deadline_of_its_call_and_a_deadline_that_is_none_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job_id = server.submit("r", "EVENTS 3\nHANG").await;
+    let watch = || tonic::Request::new(v1::WatchJobRequest { job_id: job_id.clone(), ..Default::default() });
+    let (begin, deadline) = (Instant::now(), Duration::from_millis(700));
+    let mut request = watch();
+    request.set_timeout(deadline);
+    let mut stream = server.jobs().watch_job(request).await.unwrap().into_inner();
+    let end = loop {
+        match tokio::time::timeout(Duration::from_secs(20), stream.message()).await.expect("the stream ends") {
+            Ok(message) => assert!(message.is_some(), "it ends with a status"),
+            Err(status) => break status,
+        }
+    };
+    assert_eq!((end.code(), reason(&end).as_str()), (Code::DeadlineExceeded, "CALL_DEADLINE"));
+    assert!(begin.elapsed() >= deadline, "{:?}", begin.elapsed());
+    for wrong in ["soon", "5", "-1S", "123456789S"] {
+        let mut request = watch();
+        request.metadata_mut().insert("grpc-timeout", wrong.parse().unwrap());
+        let refused = server.jobs().watch_job(request).await.unwrap_err();
+        assert_eq!((refused.code(), reason(&refused).as_str()), (Code::InvalidArgument, "INVALID_REQUEST"), "{wrong}");
     }
     server.stop().await;
 }
