@@ -327,6 +327,7 @@ impl Doctor {
 /// Why a log cannot be read to its last event; `None` if it can.
 fn damage_of_log(log: &Kept, events: u64) -> io::Result<Option<io::Error>> {
     let whole = || {
+        log.check_beginning()?;
         let mut read = Events::new(Reader::open_ended(log, 0)?, events);
         (&mut read).for_each(drop);
         read.error().map_or(Ok(()), Err)

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 
+use super::damage::of_job;
 use super::segments::Segments;
 
 /// A log to be read, and its job.
@@ -108,6 +109,19 @@ impl Kept {
 
     pub(crate) fn is_in_files(&self) -> bool {
         matches!(self.place, Place::Files(_))
+    }
+
+    /// Checks the bytes that no reader needs.
+    ///
+    /// # Errors
+    /// When they are damaged, or cannot be read.
+    pub(crate) fn check_beginning(&self) -> io::Result<()> {
+        match &self.place {
+            Place::Files(files) if !files.plain.is_file() => {
+                Segments::open(&files.segments)?.check_beginning().map_err(|error| of_job(error, &self.job))
+            }
+            _ => Ok(()),
+        }
     }
 
     pub(crate) fn open(&self) -> io::Result<Box<dyn Input>> {

@@ -215,6 +215,17 @@ impl<F: Read + Seek> Segments<F> {
         Ok(segments)
     }
 
+    /// Checks the beginning of the file, which no reader needs.
+    ///
+    /// # Errors
+    /// When it is not that of a compressed log, or cannot be read.
+    pub(crate) fn check_beginning(&mut self) -> io::Result<()> {
+        let mut magic = [0; MAGIC.len()];
+        self.file.seek(SeekFrom::Start(0))?;
+        self.file.read_exact(&mut magic)?;
+        if magic == *MAGIC { Ok(()) } else { Err(damage("its first 8 bytes are not those of a compressed log")) }
+    }
+
     /// Bytes of the plain file.
     pub(crate) fn length(&self) -> u64 {
         self.length
@@ -388,6 +399,13 @@ mod tests {
         assert!(read(&packed).unwrap() == plain);
         for cut in (0..packed.len()).step_by(97) {
             assert!(read(&packed[..cut]).is_err());
+        }
+        assert!(Segments::of(Cursor::new(&packed)).unwrap().check_beginning().is_ok());
+        for at in 0..8 {
+            let mut bad = packed.clone();
+            bad[at] ^= 0x55;
+            let error = Segments::of(Cursor::new(bad)).unwrap().check_beginning().unwrap_err();
+            assert!(error.kind() == io::ErrorKind::InvalidData, "byte {at}: {error}");
         }
         for at in (8..packed.len()).step_by(61) {
             let mut bad = packed.clone();
