@@ -49,6 +49,9 @@ pub(super) struct Board {
     /// Jobs with a deadline that has not been reached, in its order.
     deadlines: Mutex<BTreeSet<(i64, String)>>,
     pub(super) feed: Feed,
+    /// The waits for clients that followers of many jobs have seen or are notified of, by job: the start of each, ms
+    /// since 1970.
+    pub(super) shown_waits: Mutex<BTreeMap<String, i64>>,
     /// Memory of jobs here, of submits in progress and of answers not yet sent.
     pub(super) memory: Arc<Memory>,
     /// Jobs on worker threads.
@@ -81,6 +84,7 @@ impl Board {
             recent: Mutex::default(),
             deadlines: Mutex::default(),
             feed: Feed::new(epoch),
+            shown_waits: Mutex::default(),
             memory: Memory::new(memory_bytes),
             running: watch::Sender::new(0),
             tally: Tally::default(),

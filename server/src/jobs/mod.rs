@@ -64,7 +64,6 @@ use feed::{Feed, Removed};
 pub(crate) use files::Sandbox;
 use flusher::Flusher;
 use live::Live;
-use operator_wait::KnownWaits;
 use shares::Shares;
 use streams::Streams;
 
@@ -152,7 +151,6 @@ impl Core {
         housekeeping::start(self)?;
         let core = Arc::downgrade(self);
         let mut writable = self.ledger.writable();
-        let mut waits = KnownWaits::default();
         std::thread::Builder::new().name("tick".to_owned()).spawn(move || {
             while let Some(core) = core.upgrade() {
                 if writable.has_changed().unwrap_or(false) && *writable.borrow_and_update() {
@@ -161,7 +159,7 @@ impl Core {
                 core.stop_late_jobs();
                 core.pump();
                 core.keep_cleared();
-                waits.tell(&core);
+                operator_wait::tell(&core);
                 core.board.ticked();
                 drop(core);
                 std::thread::sleep(TICK);

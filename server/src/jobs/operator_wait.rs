@@ -1,7 +1,7 @@
 //! The wait of a running job for a client: for the answer to a dialog, or for a command of stepping.
 //!
-//! *Invariant:* only a running job waits. The followers of many jobs learn of the start and the end of each wait of more
-//! than a second; the short waits for a fast client do not crowd the feed.
+//! *Invariant:* only a running job waits. The followers of many jobs are notified of the start of each wait of more than a
+//! second, and of the end of each wait that one of them has seen. Short waits for a fast client do not crowd the feed.
 
 use std::collections::BTreeMap;
 
@@ -29,25 +29,36 @@ pub(crate) fn status_now(core: &Core, record: Record) -> v1::JobStatus {
     v1::JobStatus { operator_wait: live.and_then(|live| live.operator_wait()), ..status(record) }
 }
 
-/// Waits of this time or more are told to the followers of many jobs, ms.
+/// The same for a client that follows many jobs: it is notified when the wait ends.
+pub(crate) fn status_for_follower(core: &Core, record: Record) -> v1::JobStatus {
+    let status = status_now(core, record);
+    if let Some(wait) = status.operator_wait {
+        lock(&core.board.shown_waits).insert(status.job_id.clone(), wait.since_ms);
+    }
+    status
+}
+
+/// Followers of many jobs are notified of waits of this time or more, ms.
 const TOLD_AFTER_MS: i64 = 1000;
 
-/// The waits that the followers of many jobs know, by job: the start of each, ms since 1970.
-#[derive(Debug, Default)]
-pub(super) struct KnownWaits(BTreeMap<String, i64>);
-
-impl KnownWaits {
-    /// Tells the followers of many jobs of the runs that wait for a client since the last call, or no longer wait.
-    pub(super) fn tell(&mut self, core: &Core) {
-        let running = lock(&core.board.queue).jobs.running();
-        let (mut waits, now) = (BTreeMap::new(), now_ms());
-        for live in running.into_iter().filter_map(|id| core.live(&id)) {
-            let since = live.operator_wait().map(|wait| wait.since_ms).filter(|since| *since <= now - TOLD_AFTER_MS);
-            if since != self.0.get(&live.id).copied() {
-                core.changed(&live);
+/// Notifies the followers of many jobs of runs that wait for a client, and of waits they have seen that are over.
+pub(super) fn tell(core: &Core) {
+    let running = lock(&core.board.queue).jobs.running();
+    let running: BTreeMap<_, _> = running.into_iter().filter_map(|id| Some((id.clone(), core.live(&id)?))).collect();
+    lock(&core.board.shown_waits).retain(|id, _| running.contains_key(id));
+    let now = now_ms();
+    for (id, live) in running {
+        let since = live.operator_wait().map(|wait| wait.since_ms);
+        let changed = {
+            let mut shown = lock(&core.board.shown_waits);
+            match since {
+                // A shown wait that has just been followed by the next one stays shown.
+                Some(since) => since <= now - TOLD_AFTER_MS && shown.insert(id, since) != Some(since),
+                None => shown.remove(&id).is_some(),
             }
-            waits.extend(since.map(|since| (live.id.clone(), since)));
+        };
+        if changed {
+            core.changed(&live);
         }
-        self.0 = waits;
     }
 }

@@ -20,7 +20,7 @@ use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::feed::Change;
 use crate::jobs::filter::{Filter, OPEN};
-use crate::jobs::operator_wait::status_now;
+use crate::jobs::operator_wait::status_for_follower;
 use crate::ledger::{PAGE_BYTES, Query};
 use crate::reason::Refusal;
 
@@ -128,7 +128,7 @@ impl WatchJobs {
                 let page = core.ledger.jobs(&query)?;
                 let jobs = page.jobs.into_iter().map(|record| core.current(record));
                 let changes: Vec<_> =
-                    jobs.filter(|record| filter.takes(record)).map(|r| change(status_now(&core, r))).collect();
+                    jobs.filter(|record| filter.takes(record)).map(|r| change(status_for_follower(&core, r))).collect();
                 Ok((changes, page.next))
             });
             let (jobs, next) = tokio::select! {
@@ -160,7 +160,7 @@ impl WatchJobs {
                 }
                 match core.job(&id) {
                     Ok(record) if filter.takes(&record) => {
-                        let change = change(status_now(&core, record));
+                        let change = change(status_for_follower(&core, record));
                         bytes += change.encoded_len() as u64;
                         read.push(change);
                     }

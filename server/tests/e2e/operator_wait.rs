@@ -118,3 +118,20 @@ async fn the_progress_of_a_job_that_is_held_back_says_so() {
     tokio::time::timeout(Duration::from_secs(20), told).await.expect("the progress says that the job is paused");
     server.stop().await;
 }
+
+/// A client may see a wait at once, for example when it begins to follow the jobs.
+#[tokio::test(flavor = "multi_thread")]
+async fn the_end_of_a_short_wait_is_told_to_those_who_saw_it() {
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(options(data.path())).await;
+    let attended = v1::JobOptions { attended: true, ..Default::default() };
+    let job = submit(&server, "ASK Clamp\nHANG", attended).await;
+    until_it_waits(&server, &job).await;
+    let mut watch = server.jobs().watch_jobs(v1::WatchJobsRequest::default()).await.unwrap().into_inner();
+    told(&mut watch, |status| status.job_id == job && status.operator_wait.is_some()).await;
+    let answer = v1::DialogAnswer { button: "OK".into(), ..Default::default() };
+    let answer = v1::AnswerQuestionRequest { job_id: job.clone(), question_id: 1, answer: Some(answer) };
+    assert!(server.operator().answer_question(answer).await.unwrap().into_inner().accepted);
+    told(&mut watch, |status| status.job_id == job && status.operator_wait.is_none()).await;
+    server.stop().await;
+}
