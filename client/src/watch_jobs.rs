@@ -39,7 +39,7 @@ pub struct WatchJobs {
     connection: Connection,
     filter: v1::JobFilter,
     cursor: u64,
-    /// The cursor was too old, and the caller has not been told yet.
+    /// The cursor was too old, and the caller does not know this yet.
     anew: bool,
     stream: Option<Streaming<v1::WatchJobsResponse>>,
     waiting: VecDeque<JobUpdate>,

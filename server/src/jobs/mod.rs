@@ -159,7 +159,7 @@ impl Core {
                 core.stop_late_jobs();
                 core.pump();
                 core.keep_cleared();
-                operator_wait::tell(&core);
+                operator_wait::notify_followers(&core);
                 core.board.ticked();
                 drop(core);
                 std::thread::sleep(TICK);

@@ -39,10 +39,10 @@ pub(crate) fn status_for_follower(core: &Core, record: Record) -> v1::JobStatus 
 }
 
 /// Followers of many jobs are notified of waits of this time or more, ms.
-const TOLD_AFTER_MS: i64 = 1000;
+const NOTIFY_AFTER_MS: i64 = 1000;
 
 /// Notifies the followers of many jobs of runs that wait for a client, and of waits they have seen that are over.
-pub(super) fn tell(core: &Core) {
+pub(super) fn notify_followers(core: &Core) {
     let running = lock(&core.board.queue).jobs.running();
     let running: BTreeMap<_, _> = running.into_iter().filter_map(|id| Some((id.clone(), core.live(&id)?))).collect();
     lock(&core.board.shown_waits).retain(|id, _| running.contains_key(id));
@@ -53,7 +53,7 @@ pub(super) fn tell(core: &Core) {
             let mut shown = lock(&core.board.shown_waits);
             match since {
                 // A shown wait that has just been followed by the next one stays shown.
-                Some(since) => since <= now - TOLD_AFTER_MS && shown.insert(id, since) != Some(since),
+                Some(since) => since <= now - NOTIFY_AFTER_MS && shown.insert(id, since) != Some(since),
                 None => shown.remove(&id).is_some(),
             }
         };

@@ -30,6 +30,17 @@ impl tonic::service::Interceptor for Bearer {
     }
 }
 
+/// A submit of a script that has been uploaded.
+pub fn request_of(request_id: &str, machine: &str, script: &str) -> v1::SubmitJobRequest {
+    v1::SubmitJobRequest {
+        request_id: request_id.into(),
+        machine: machine.into(),
+        programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
+        files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(script.as_bytes()) }],
+        ..Default::default()
+    }
+}
+
 /// A caller.
 #[derive(Clone)]
 pub struct As {
@@ -102,15 +113,8 @@ impl As {
         script: &str,
         options: Option<v1::JobOptions>,
     ) -> Result<v1::JobStatus, Status> {
-        let digest = self.upload(script.as_bytes()).await?;
-        let request = v1::SubmitJobRequest {
-            request_id: request_id.into(),
-            machine: machine.into(),
-            programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
-            files: vec![v1::FileRef { path: "main.nc".into(), digest }],
-            options,
-            ..Default::default()
-        };
+        self.upload(script.as_bytes()).await?;
+        let request = v1::SubmitJobRequest { options, ..request_of(request_id, machine, script) };
         Ok(self.jobs().submit_job(request).await?.into_inner().status.unwrap())
     }
 

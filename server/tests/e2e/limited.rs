@@ -37,6 +37,7 @@ async fn two(folder: &Path, per_s: u32) -> (Server, As, As) {
 }
 
 pub async fn two_on(folder: &Path, per_s: u32, disk: Disk) -> (Server, As, As) {
+    // A flood of submits fits into the queue.
     let mut options = Options { workers: 1, queue: 10_000, ..guarded(folder) };
     options.guard.max_calls_per_s = per_s;
     options.connections.metrics = "127.0.0.1:0".into();

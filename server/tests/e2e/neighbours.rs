@@ -8,16 +8,12 @@ use std::time::{Duration, Instant};
 use counterpoint_proto::v1;
 use counterpoint_server::local::disk::Disk;
 use counterpoint_server::options::Options;
-use http::uri::PathAndQuery;
-use tonic::Request;
 
 use crate::guarded::*;
 use crate::limited::two_on;
-use crate::share::server_until;
 use crate::slices::{BLOCKS, MACRO, Real, TINY, endless, ends, limits, moves, put_spin};
-use crate::support::*;
+use crate::standing::{Idle, MACHINE, be_idle};
 
-const MACHINE: &str = "fanuc-2path-lathe";
 const CALLERS: usize = 64;
 const SUBMITS: usize = 4096;
 
@@ -34,13 +30,7 @@ async fn rate(tenant: &As, round: &str) -> f64 {
         callers.spawn(async move {
             let mut last = String::new();
             for number in 0..SUBMITS / CALLERS {
-                let request = v1::SubmitJobRequest {
-                    request_id: format!("{round}-{caller}-{number}"),
-                    machine: MACHINE.into(),
-                    programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
-                    files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(b"EVENTS 1") }],
-                    ..Default::default()
-                };
+                let request = request_of(&format!("{round}-{caller}-{number}"), MACHINE, "EVENTS 1");
                 last = tenant.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
             }
             last
@@ -59,48 +49,6 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-#[derive(Debug, Clone, Copy)]
-enum Idle {
-    SteppedJob,
-    WatchedPausedJob,
-    RequestWithoutBody,
-}
-
-/// Lets the neighbour be idle in this way: its job, and the task that holds its call.
-async fn be_idle(quiet: &As, idle: Idle, round: usize) -> (Option<String>, Option<tokio::task::JoinHandle<()>>) {
-    let name = format!("{idle:?}-{round}");
-    match idle {
-        Idle::SteppedJob => {
-            let options = v1::JobOptions { stepped: true, ..Default::default() };
-            let job = quiet.submit_with(&name, MACHINE, "EVENTS 3\nSTEP a", Some(options)).await.unwrap().job_id;
-            server_until(quiet, &job, v1::JobState::Running).await;
-            (Some(job), None)
-        }
-        Idle::WatchedPausedJob => {
-            let job = quiet.submit(&name, MACHINE, "EVENTS 3\nHANG").await.unwrap().job_id;
-            quiet.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
-            server_until(quiet, &job, v1::JobState::Queued).await;
-            let watch = v1::WatchJobRequest { job_id: job.clone(), heartbeat_ms: 100, ..Default::default() };
-            let mut watch = quiet.jobs().watch_job(watch).await.unwrap().into_inner();
-            let reads = async move { while watch.message().await.is_ok_and(|message| message.is_some()) {} };
-            (Some(job), Some(tokio::spawn(reads)))
-        }
-        Idle::RequestWithoutBody => {
-            let mut raw = tonic::client::Grpc::new(quiet.connection.clone());
-            raw.ready().await.unwrap();
-            let mut request = Request::new(tokio_stream::pending::<v1::GetJobRequest>());
-            let bearer = format!("Bearer {}", quiet.bearer.0.clone().unwrap());
-            request.metadata_mut().insert("authorization", bearer.parse().unwrap());
-            let call = async move {
-                let codec = tonic_prost::ProstCodec::<v1::GetJobRequest, v1::GetJobResponse>::default();
-                let path = PathAndQuery::from_static("/counterpoint.v1.Jobs/GetJob");
-                let _ = raw.client_streaming(request, path, codec).await;
-            };
-            (None, Some(tokio::spawn(call)))
-        }
-    }
-}
-
 #[tokio::test(flavor = "multi_thread")]
 #[ignore = "a measurement"]
 async fn submits_of_a_tenant_beside_an_idle_neighbour() {
@@ -113,7 +61,8 @@ async fn submits_of_a_tenant_beside_an_idle_neighbour() {
         for round in 0..rounds() {
             let mut both = [0.0, 0.0];
             for beside in [round % 2 == 1, round % 2 == 0] {
-                let neighbour = if beside { Some(be_idle(&quiet, idle, round).await) } else { None };
+                let neighbour =
+                    if beside { Some(be_idle(&quiet, idle, &format!("{idle:?}-{round}")).await) } else { None };
                 // The last calls of an identity count for a while.
                 tokio::time::sleep(Duration::from_secs(1)).await;
                 both[usize::from(beside)] = rate(&noisy, &format!("{idle:?}-{round}-{beside}")).await;

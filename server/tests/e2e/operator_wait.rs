@@ -44,8 +44,8 @@ async fn until_it_waits(server: &Server, job: &str) -> v1::OperatorWait {
 }
 
 /// The next state of the job in a watch of many jobs that passes the test.
-async fn told(watch: &mut tonic::Streaming<v1::WatchJobsResponse>, passes: impl Fn(&v1::JobStatus) -> bool) {
-    let told = async {
+async fn until_reported(watch: &mut tonic::Streaming<v1::WatchJobsResponse>, passes: impl Fn(&v1::JobStatus) -> bool) {
+    let reported = async {
         loop {
             let message = watch.message().await.unwrap().unwrap();
             if message.changes.into_iter().filter_map(|change| change.status).any(|status| passes(&status)) {
@@ -53,7 +53,7 @@ async fn told(watch: &mut tonic::Streaming<v1::WatchJobsResponse>, passes: impl 
             }
         }
     };
-    tokio::time::timeout(Duration::from_secs(20), told).await.expect("the change is told");
+    tokio::time::timeout(Duration::from_secs(20), reported).await.expect("the change is reported");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -69,11 +69,11 @@ async fn a_job_whose_dialog_is_open_waits_for_an_answer() {
     assert_eq!(wait.action(), v1::OperatorAction::Answer);
     assert!((begin..=now_ms()).contains(&wait.since_ms), "{wait:?}");
     assert_eq!(shown(&server, &job).await, Some(wait));
-    told(&mut watch, |status| status.operator_wait == Some(wait)).await;
+    until_reported(&mut watch, |status| status.operator_wait == Some(wait)).await;
     let answer = v1::DialogAnswer { button: "OK".into(), ..Default::default() };
     let answer = v1::AnswerQuestionRequest { job_id: job.clone(), question_id: 1, answer: Some(answer) };
     assert!(server.operator().answer_question(answer).await.unwrap().into_inner().accepted);
-    told(&mut watch, |status| status.job_id == job && status.operator_wait.is_none()).await;
+    until_reported(&mut watch, |status| status.job_id == job && status.operator_wait.is_none()).await;
     assert_eq!(shown(&server, &job).await, None, "it runs");
     server.stop().await;
 }
@@ -107,7 +107,7 @@ async fn the_progress_of_a_job_that_is_held_back_says_so() {
     let job = server.submit("held", "HANG").await;
     let mut watch = server.watch(&job, 0, v1::WatchLevel::Progress).await;
     server.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
-    let told = async {
+    let reported = async {
         loop {
             let content = watch.message().await.unwrap().unwrap().content;
             if matches!(&content, Some(Content::Progress(progress)) if progress.paused) {
@@ -115,23 +115,23 @@ async fn the_progress_of_a_job_that_is_held_back_says_so() {
             }
         }
     };
-    tokio::time::timeout(Duration::from_secs(20), told).await.expect("the progress says that the job is paused");
+    tokio::time::timeout(Duration::from_secs(20), reported).await.expect("the progress says that the job is paused");
     server.stop().await;
 }
 
 /// A client may see a wait at once, for example when it begins to follow the jobs.
 #[tokio::test(flavor = "multi_thread")]
-async fn the_end_of_a_short_wait_is_told_to_those_who_saw_it() {
+async fn the_end_of_a_short_wait_is_reported_to_those_who_saw_it() {
     let data = tempfile::tempdir().unwrap();
     let server = Server::start(options(data.path())).await;
     let attended = v1::JobOptions { attended: true, ..Default::default() };
     let job = submit(&server, "ASK Clamp\nHANG", attended).await;
     until_it_waits(&server, &job).await;
     let mut watch = server.jobs().watch_jobs(v1::WatchJobsRequest::default()).await.unwrap().into_inner();
-    told(&mut watch, |status| status.job_id == job && status.operator_wait.is_some()).await;
+    until_reported(&mut watch, |status| status.job_id == job && status.operator_wait.is_some()).await;
     let answer = v1::DialogAnswer { button: "OK".into(), ..Default::default() };
     let answer = v1::AnswerQuestionRequest { job_id: job.clone(), question_id: 1, answer: Some(answer) };
     assert!(server.operator().answer_question(answer).await.unwrap().into_inner().accepted);
-    told(&mut watch, |status| status.job_id == job && status.operator_wait.is_none()).await;
+    until_reported(&mut watch, |status| status.job_id == job && status.operator_wait.is_none()).await;
     server.stop().await;
 }

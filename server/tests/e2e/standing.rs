@@ -17,7 +17,7 @@ use crate::support::*;
 /// Calls in one flood; an identity has four in hand in any case.
 const FLOOD: usize = 24;
 
-const MACHINE: &str = "fanuc-2path-lathe";
+pub const MACHINE: &str = "fanuc-2path-lathe";
 
 /// Submits at once, none of which becomes durable before all have come; returns how many waited for others of their
 /// identity.
@@ -28,13 +28,7 @@ async fn flood(server: &Server, noisy: &As, disk: &Blocked, round: usize) -> usi
     let mut calls = tokio::task::JoinSet::new();
     for number in 0..FLOOD {
         let noisy = noisy.clone();
-        let request = v1::SubmitJobRequest {
-            request_id: format!("{round}-{number}"),
-            machine: MACHINE.into(),
-            programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
-            files: vec![v1::FileRef { path: "main.nc".into(), digest: digest(b"EVENTS 1") }],
-            ..Default::default()
-        };
+        let request = request_of(&format!("{round}-{number}"), MACHINE, "EVENTS 1");
         calls.spawn(async move { noisy.jobs().submit_job(request).await.map(drop) });
     }
     // Each look is a call over the same loopback, so a slow computer gives the calls more time.
@@ -60,6 +54,48 @@ async fn passes(server: &Server, noisy: &As, disk: &Blocked, what: &str) {
     tokio::time::timeout(Duration::from_secs(20), passes).await.unwrap_or_else(|_| panic!("{what} takes turns"));
 }
 
+/// A way to do nothing on a server.
+#[derive(Debug, Clone, Copy)]
+pub enum Idle {
+    SteppedJob,
+    WatchedPausedJob,
+    RequestWithoutBody,
+}
+
+/// Makes an identity idle in this way; returns its job, and the task that holds its call.
+pub async fn be_idle(quiet: &As, idle: Idle, name: &str) -> (Option<String>, Option<tokio::task::JoinHandle<()>>) {
+    match idle {
+        Idle::SteppedJob => {
+            let options = v1::JobOptions { stepped: true, ..Default::default() };
+            let job = quiet.submit_with(name, MACHINE, "EVENTS 3\nSTEP a", Some(options)).await.unwrap().job_id;
+            server_until(quiet, &job, v1::JobState::Running).await;
+            (Some(job), None)
+        }
+        Idle::WatchedPausedJob => {
+            let job = quiet.submit(name, MACHINE, "EVENTS 3\nHANG").await.unwrap().job_id;
+            quiet.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
+            server_until(quiet, &job, v1::JobState::Queued).await;
+            let watch = v1::WatchJobRequest { job_id: job.clone(), heartbeat_ms: 100, ..Default::default() };
+            let mut watch = quiet.jobs().watch_job(watch).await.unwrap().into_inner();
+            let reads = async move { while watch.message().await.is_ok_and(|message| message.is_some()) {} };
+            (Some(job), Some(tokio::spawn(reads)))
+        }
+        Idle::RequestWithoutBody => {
+            let mut raw = tonic::client::Grpc::new(quiet.connection.clone());
+            raw.ready().await.unwrap();
+            let mut request = Request::new(tokio_stream::pending::<v1::GetJobRequest>());
+            let bearer = format!("Bearer {}", quiet.bearer.0.clone().unwrap());
+            request.metadata_mut().insert("authorization", bearer.parse().unwrap());
+            let call = async move {
+                let codec = tonic_prost::ProstCodec::<v1::GetJobRequest, v1::GetJobResponse>::default();
+                let path = PathAndQuery::from_static("/counterpoint.v1.Jobs/GetJob");
+                let _ = raw.client_streaming(request, path, codec).await;
+            };
+            (None, Some(tokio::spawn(call)))
+        }
+    }
+}
+
 async fn start(folder: &std::path::Path) -> (Server, As, As, Arc<Blocked>) {
     let disk = Arc::new(Blocked::default());
     let (server, noisy, quiet) = two_on(folder, 0, counterpoint_server::local::disk::Disk::faulty(disk.clone())).await;
@@ -71,11 +107,9 @@ async fn start(folder: &std::path::Path) -> (Server, As, As, Arc<Blocked>) {
 async fn a_stepped_job_that_stands_takes_no_turn() {
     let folder = tempfile::tempdir().unwrap();
     let (server, noisy, quiet, disk) = start(folder.path()).await;
-    let options = v1::JobOptions { stepped: true, ..Default::default() };
-    let job = quiet.submit_with("steps", MACHINE, "EVENTS 3\nSTEP a", Some(options)).await.unwrap().job_id;
-    server_until(&quiet, &job, v1::JobState::Running).await;
+    let (job, _) = be_idle(&quiet, Idle::SteppedJob, "steps").await;
     passes(&server, &noisy, &disk, "a job that stands").await;
-    quiet.jobs().cancel_job(v1::CancelJobRequest { job_id: job }).await.unwrap();
+    quiet.jobs().cancel_job(v1::CancelJobRequest { job_id: job.unwrap() }).await.unwrap();
     server.stop().await;
 }
 
@@ -96,12 +130,8 @@ async fn a_job_that_works_takes_turns() {
 async fn a_watch_and_a_wait_of_a_paused_job_take_no_turn() {
     let folder = tempfile::tempdir().unwrap();
     let (server, noisy, quiet, disk) = start(folder.path()).await;
-    let job = quiet.submit("paused", MACHINE, "EVENTS 3\nHANG").await.unwrap().job_id;
-    quiet.jobs().pause_job(v1::PauseJobRequest { job_id: job.clone() }).await.unwrap();
-    server_until(&quiet, &job, v1::JobState::Queued).await;
-    let watch = v1::WatchJobRequest { job_id: job.clone(), heartbeat_ms: 100, ..Default::default() };
-    let mut watch = quiet.jobs().watch_job(watch).await.unwrap().into_inner();
-    let reads = tokio::spawn(async move { while watch.message().await.is_ok_and(|message| message.is_some()) {} });
+    let (job, reads) = be_idle(&quiet, Idle::WatchedPausedJob, "paused").await;
+    let (job, reads) = (job.unwrap(), reads.unwrap());
     let wait = v1::WaitJobRequest { job_id: job.clone(), timeout_ms: 60_000 };
     let waiting = quiet.clone();
     let waits = tokio::spawn(async move { waiting.jobs().wait_job(wait).await.map(drop) });
@@ -118,16 +148,8 @@ async fn a_call_whose_request_does_not_come_takes_no_turn() {
     let folder = tempfile::tempdir().unwrap();
     let (server, noisy, quiet, disk) = start(folder.path()).await;
     quiet.list().await;
-    let mut raw = tonic::client::Grpc::new(quiet.connection.clone());
-    raw.ready().await.unwrap();
-    let mut request = Request::new(tokio_stream::pending::<v1::GetJobRequest>());
-    let bearer = format!("Bearer {}", quiet.bearer.0.clone().unwrap());
-    request.metadata_mut().insert("authorization", bearer.parse().unwrap());
-    let call = tokio::spawn(async move {
-        let codec = tonic_prost::ProstCodec::<v1::GetJobRequest, v1::GetJobResponse>::default();
-        let path = PathAndQuery::from_static("/counterpoint.v1.Jobs/GetJob");
-        raw.client_streaming(request, path, codec).await.map(drop)
-    });
+    let (_, call) = be_idle(&quiet, Idle::RequestWithoutBody, "").await;
+    let call = call.unwrap();
     passes(&server, &noisy, &disk, "a request that does not come").await;
     assert!(!call.is_finished());
     call.abort();
