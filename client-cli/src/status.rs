@@ -19,6 +19,9 @@ use crate::{job_names, reused, say};
 /// The state of a job that was at work when the server died.
 const SUSPECT: &str = "the server died while this job was at work: it runs alone at first, and other jobs wait";
 
+/// The label of a wait, and the verb of its text.
+const WAITS: &str = "waits";
+
 /// Executes the command.
 pub(crate) async fn status(arguments: Status) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
@@ -54,6 +57,12 @@ fn running(progress: Option<&v1::Progress>) -> String {
     progress.channels.iter().map(channel).chain([events]).collect()
 }
 
+/// The text of a wait without the verb, which is the label of its row.
+fn waiting(wait: Option<String>) -> String {
+    let wait = wait.unwrap_or_default();
+    wait.strip_prefix(WAITS).map(|rest| rest.trim_start().to_owned()).unwrap_or(wait)
+}
+
 /// One line for each known fact.
 fn shown(job: &v1::JobStatus, (pinned, source): (&str, String), now_ms: i64) -> String {
     let machine = if job.machine_guess.is_empty() {
@@ -78,8 +87,8 @@ fn shown(job: &v1::JobStatus, (pinned, source): (&str, String), now_ms: i64) -> 
         ("ran", ran_ms(job, now_ms).map(|ms| time(ms.saturating_mul(1_000_000))).unwrap_or_default()),
         ("deadline", utc(job.deadline_ms)),
         ("attempts", count(job.attempt)),
-        ("waits", waits(job).unwrap_or_default()),
-        ("waits", job.operator_wait.as_ref().map(|wait| waits_for_client(&job.job_id, wait)).unwrap_or_default()),
+        (WAITS, waiting(waits(job))),
+        (WAITS, waiting(job.operator_wait.as_ref().map(|wait| waits_for_client(&job.job_id, wait)))),
         ("suspect", if job.suspect { SUSPECT.to_owned() } else { String::new() }),
         ("rerun of", job.rerun_of.clone()),
         ("results of", source),
@@ -125,7 +134,7 @@ mod tests {
                 "submitted     1970-01-01 00:00:01 UTC",
                 "started       1970-01-01 00:00:03 UTC",
                 "ran           00:01.500",
-                "waits         waits for an operator since 1970-01-01 00:00:04 UTC: counterpoint attend 01938f2c",
+                "waits         for an operator since 1970-01-01 00:00:04 UTC: counterpoint attend 01938f2c",
                 "suspect       the server died while this job was at work: it runs alone at first, and other jobs wait",
             ]
         );

@@ -96,7 +96,7 @@ fn a_job_that_waits_for_a_client_or_is_paused_says_so() {
     let (_, status, _) = server.call(&["status", &job, "--json"]);
     let status: Value = serde_json::from_str(&status).unwrap();
     assert_eq!((&status["state"], &status["operator_wait"]["action"]), (&"RUNNING".into(), &"COMMAND".into()));
-    assert!(server.call(&["status", &job]).1.contains("\nwaits         waits for a step command since "));
+    assert!(server.call(&["status", &job]).1.contains("\nwaits         for a step command since "));
     assert!(server.call(&["jobs"]).1.contains("RUNNING (waits for a step command)"));
     assert!(server.call(&["admin", "workers"]).1.contains("waits for a step command"));
     assert_eq!(server.call(&["pause", &job]).0, 0);
