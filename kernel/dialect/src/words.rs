@@ -41,7 +41,7 @@ impl Valued<'_> {
     }
 }
 
-/// Most names whose meaning is remembered.
+/// Maximum number of names whose meanings are remembered.
 const MOST_MEANINGS: usize = 500;
 
 /// Meanings of words on the machine, which are looked up once.
@@ -74,13 +74,13 @@ pub(crate) enum LeftValue<'a> {
     Computed(f64),
 }
 
-/// Words on their way into the block of the kernel.
+/// Words that an interpreter leaves in the block of the kernel.
 ///
 /// *Invariant:* a word is left as a value or as a row of the code table wherever its text alone decides its meaning.
 pub(crate) struct Leaving<'a> {
     pub(crate) host: &'a mut dyn Host,
     meanings: &'a mut Meanings,
-    /// Texts that are the machine's together, with their place.
+    /// Texts that may together be a name of the machine, with their place.
     run: String,
     run_place: Span,
 }
@@ -90,7 +90,7 @@ impl<'a> Leaving<'a> {
         Self { host, meanings, run: String::new(), run_place: (0, 0) }
     }
 
-    /// Leaves a word; `text` gives all of it.
+    /// Leaves a word; `text` returns its full text.
     pub(crate) fn word<'t>(
         &mut self,
         name: &str,
@@ -130,7 +130,7 @@ impl<'a> Leaving<'a> {
         }
     }
 
-    /// Leaves a word whose text alone decides its meaning; whether it is one.
+    /// Leaves a word if its text alone decides its meaning; otherwise returns false.
     fn alone<'t>(
         &mut self,
         name: &str,

@@ -1,6 +1,6 @@
 //! Blocks of words that an interpreter leaves for one block of the program.
 //!
-//! *Invariant:* a block of the kernel that is filled from here has the words that were taken off it. A cycle leaves
+//! *Invariant:* a block that is filled from the list has exactly the words that the list took off it. A cycle leaves
 //! hundreds of thousands of blocks, so they share their memory.
 
 use crate::block::{Block, Word};

@@ -107,9 +107,9 @@ struct ReadLines {
     /// A line may run again, so lines are worth keeping.
     keeping: bool,
     kept: Kept<Line>,
-    /// The last two lines: a path block reads the lines after it before they run.
+    /// The last two lines: a path block reads the lines after it before they are executed.
     recent: [Option<PlacedLine>; 2],
-    /// The text of the lines that belong to the statement in process, if it has taken further blocks with it.
+    /// The text of the lines of the current statement, if it has consumed further blocks.
     taken: Option<String>,
 }
 

@@ -1,11 +1,11 @@
 //! Moves of the cycles that follow contours.
 //!
-//! *Invariant:* each move is a block of conversational words, which the machine reads as those of the program.
+//! *Invariant:* each move is a block of conversational words, which the machine reads like words of the program.
 
 use super::path::FASTEST;
 use super::words::{LeftBlock, Seen};
 
-/// A feed from which on a parameter means rapid.
+/// A feed parameter of this value or more means rapid.
 pub(super) const RAPID: f64 = 99_999.0;
 
 /// A position along an axis, by its letter.
@@ -22,20 +22,20 @@ enum MoveKind {
     Circle {
         clockwise: bool,
     },
-    /// An M function alone.
+    /// Only an M function.
     Function(u16),
 }
 
 #[derive(Debug, Clone, Copy)]
 struct MadeMove {
     kind: MoveKind,
-    /// Where its words end.
+    /// End of its words in the list of all words.
     end: usize,
-    /// From [`RAPID`] on a rapid.
+    /// [`RAPID`] or more means rapid.
     feed: f64,
 }
 
-/// Moves in the making.
+/// Moves of a cycle, in the order in which they are executed.
 #[derive(Debug, Default)]
 pub(super) struct Moves {
     all: Vec<MadeMove>,

@@ -90,8 +90,8 @@ impl Heidenhain {
         }
     }
 
-    /// Shifts of the program are those of the plane from here on, or those of before. Returns a block that restores the
-    /// shifts that were removed.
+    /// From here on, shifts of the program belong to the plane. After a reset, the earlier shifts apply again. Returns
+    /// a block that restores the shifts that were removed.
     fn plane_begins(&mut self, reset: bool, added: bool) -> Option<LeftBlock> {
         self.planes.asked = true;
         if reset {

@@ -43,7 +43,7 @@ impl Word {
         Self { name: shared(name), operand, span: MADE }
     }
 
-    /// The word where its text begins later.
+    /// The word with its place moved forward by `by` bytes.
     pub(super) fn further(&self, by: usize) -> Self {
         let (start, end) = self.span;
         let span = if self.span == MADE { MADE } else { (start + by as u32, end + by as u32) };
@@ -61,7 +61,7 @@ pub(super) enum Rest {
     /// As in the block.
     Written(Arc<str>),
     Sign(char),
-    /// The value with the digits that it needs.
+    /// The value, with only the digits that it needs.
     Value,
 }
 
@@ -118,7 +118,7 @@ impl Seen {
         }
     }
 
-    /// Whether its text is this one.
+    /// Whether the word has this text.
     pub(super) fn reads(&self, text: &str) -> bool {
         text.strip_prefix(&*self.name).is_some_and(|behind| match &self.rest {
             Rest::Nothing => behind.is_empty(),
@@ -133,7 +133,7 @@ impl Seen {
         self.name.starts_with('R') && self.reads("R0")
     }
 
-    /// The direction of rotation that it says: whether it is clockwise.
+    /// Whether the direction of rotation is clockwise; `None` if the word is not a direction.
     pub(super) fn turns(&self) -> Option<bool> {
         match self.rest {
             Rest::Sign(sign) if self.is("DR") => Some(sign == '-'),
@@ -163,7 +163,7 @@ pub(super) fn words(cursor: &mut Cursor<'_>) -> Vec<Word> {
     out
 }
 
-/// Names that the pre-processor makes words of.
+/// Names of words that the pre-processor makes.
 const NAMES: [&str; 6] = ["FMAX", "DR", "CC", "CR", "IX", "IY"];
 
 /// A shared name. Names of one letter, which most words have, and a few others are allocated once.

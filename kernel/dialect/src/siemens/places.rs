@@ -168,7 +168,7 @@ pub(super) fn push_block_number(host: &mut dyn Host, line: &Line, block: &[u8]) 
     put(host, &format!("N{number}"), block, (place, None));
 }
 
-/// Leaves blocks as text, which becomes that of the block: the tables of the machine know texts with brackets and
+/// Leaves blocks as text, which replaces the text of the block: the tables of the machine know texts with brackets and
 /// quotation marks as a whole.
 pub(super) fn leave_as_text(host: &mut dyn Host, line: &Line, before: &[String], words: &str) -> Remaining {
     let mut text = String::new();

@@ -22,7 +22,7 @@ pub(crate) struct LeftWords {
     pub(crate) text: String,
     /// Text of a block of several lines.
     pub(crate) joined: Option<Arc<[u8]>>,
-    /// Blocks before that of the kernel.
+    /// Blocks that precede the block of the kernel.
     pub(super) blocks: BlockList,
 }
 
@@ -35,7 +35,7 @@ impl LeftWords {
         self.blocks.clear();
     }
 
-    /// Takes the words off the block of the kernel: they act before those that follow.
+    /// Takes the words off the block of the kernel: they act before the words that follow.
     pub(super) fn end_block(&mut self, block: &mut Block) {
         self.blocks.push(block, &mut self.text);
     }

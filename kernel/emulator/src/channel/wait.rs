@@ -407,9 +407,9 @@ fn report_short(kernel: &mut Kernel<'_>, short: Option<Short>) {
     let Some(short) = short else { return };
     let block = kernel.block_text();
     let text = match short {
-        Short::Ended => format!("no partner is left for '{block}', the channel continues without waiting"),
+        Short::Ended => format!("no partner is left for '{block}'; the channel continues without waiting"),
         Short::Elsewhere => {
-            format!("the partner of '{block}' waits at an order number, the channel continues without waiting")
+            format!("the partner of '{block}' waits at an order number; the channel continues without waiting")
         }
     };
     kernel.diagnose(&diag::COUNT_WITHOUT_PARTNER, text);

@@ -89,7 +89,7 @@ pub(crate) struct Calls {
     busy: Vec<bool>,
     /// Arguments that each macro uses, bit by number.
     arguments: Vec<u128>,
-    /// Whether some macro reads the block as the pre-processor left it.
+    /// Whether any macro reads the block as the pre-processor left it.
     pub(crate) read_block: bool,
     /// Why the kernel leaves its program, found while a macro was running.
     pub(crate) halt: Option<Halt>,

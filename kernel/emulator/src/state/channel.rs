@@ -94,7 +94,7 @@ pub struct At {
     pub(crate) made_blocks: u64,
     /// Consecutive blocks without time.
     pub(crate) idle_blocks: u64,
-    /// The innermost place in the programs of the user of the last block that took time.
+    /// The innermost place in the user's programs of the last block that took time.
     pub(crate) timed: SourcePlace,
 }
 

@@ -53,7 +53,7 @@ impl Silence {
 
 /// The operator who answers dialogs.
 pub trait Operator: Send + Sync {
-    /// Puts a question and waits for the answer.
+    /// Asks a question and waits for the answer.
     ///
     /// # Errors
     /// The reason why there is no answer.

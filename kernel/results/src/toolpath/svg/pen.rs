@@ -15,7 +15,7 @@ use crate::toolpath::store::Curve;
 /// Radii beyond this are drawn as chords: renderers lose precision.
 const LARGEST: f64 = 20_000.0;
 
-/// Most chords of one arc.
+/// Maximum number of chords of one arc.
 const MOST_CHORDS: f64 = 10_000.0;
 
 pub(super) struct Pen {

@@ -34,7 +34,7 @@ fn phrase(stop: &StopPlace) -> String {
     if stop.line == 0 { what.to_owned() } else { format!("{what} at {} line {}", stop.file, stop.line) }
 }
 
-/// A cross at the end of the path. The ground of its label is a text of its own below it: a renderer that does not know
+/// A cross at the end of the path. The outline of its label is a separate text below it: a renderer that does not know
 /// `paint-order` would draw the outline over the letters.
 pub(super) fn draw(out: &mut String, channel: &Channel, stop: &StopPlace, path: &Path, frame: &Frame) {
     let Some(last) = path.moves.last() else { return };
