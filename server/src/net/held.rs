@@ -11,6 +11,7 @@ use tokio::time::{Instant, sleep_until};
 use tonic::Status;
 use tonic::body::Body;
 
+use super::cut::Cut;
 use crate::access::fair::Stay;
 use crate::connections::Call;
 use crate::memory::Taken;
@@ -40,8 +41,8 @@ pub(super) fn ended(rights: Option<Ended>, deadline: Option<Instant>) -> Option<
 pub(super) struct Held {
     body: Body,
     ended: Option<Ended>,
-    /// The last frame was sent.
-    over: bool,
+    /// Cuts the body of the service.
+    cut: Cut,
     _call: Call,
     stay: Option<Stay>,
     _taken: Option<Arc<Taken>>,
@@ -50,14 +51,14 @@ pub(super) struct Held {
 
 impl Held {
     pub(super) fn new(body: Body, call: Call, stay: Option<Stay>, taken: Option<Arc<Taken>>) -> Self {
-        Self { body, ended: None, over: false, _call: call, stay, _taken: taken, _place: None }
+        Self { body, ended: None, cut: Cut::default(), _call: call, stay, _taken: taken, _place: None }
     }
 }
 
 impl Held {
-    /// The body of a call that ends with its rights.
-    pub(super) fn until(self, ended: Option<Ended>) -> Self {
-        Self { ended, ..self }
+    /// The body of a call that ends with its rights, and cuts the body of its service then.
+    pub(super) fn until(self, ended: Option<Ended>, cut: Cut) -> Self {
+        Self { ended, cut, ..self }
     }
 
     /// The body of a call that holds a place until its end.
@@ -71,16 +72,11 @@ impl http_body::Body for Held {
     type Error = Status;
 
     fn poll_frame(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, Status>>> {
-        if self.over {
-            return Poll::Ready(None);
-        }
         if let Some(ended) = &mut self.ended
             && let Poll::Ready(status) = ended.as_mut().poll(cx)
         {
-            // The service sees that its client has gone.
-            (self.body, self.ended, self.over) = (Body::empty(), None, true);
-            let trailers = status.into_http::<Body>().headers().clone();
-            return Poll::Ready(Some(Ok(Frame::trailers(trailers))));
+            self.ended = None;
+            self.cut.with(status);
         }
         let polled = Pin::new(&mut self.body).poll_frame(cx);
         if let (Some(stay), Poll::Ready(Some(Ok(frame)))) = (&self.stay, &polled) {
@@ -90,10 +86,10 @@ impl http_body::Body for Held {
     }
 
     fn is_end_stream(&self) -> bool {
-        self.over || self.body.is_end_stream()
+        self.body.is_end_stream()
     }
 
     fn size_hint(&self) -> SizeHint {
-        if self.over { SizeHint::with_exact(0) } else { self.body.size_hint() }
+        self.body.size_hint()
     }
 }

@@ -4,6 +4,7 @@
 //! descriptor left, the accept loop waits instead of spinning.
 
 mod arrive;
+mod cut;
 mod form;
 mod gate;
 mod held;
@@ -35,9 +36,6 @@ use tonic::Status;
 use tonic::body::Body;
 use tonic::service::Routes;
 use tonic::transport::server::TcpConnectInfo;
-use tonic_web::GrpcWebLayer;
-use tower_layer::Layer as _;
-use tower_service::Service as _;
 
 use crate::access::{CertificateNames, calls};
 use crate::connections::{Call, Connection};
@@ -46,6 +44,7 @@ use crate::memory::Memory;
 use crate::places::Places;
 use crate::reason::Refusal;
 use arrive::{Arrived, first_message};
+use cut::{Cut, ask};
 pub(crate) use gate::Gate;
 use held::Held;
 use pause::{Pause, Paused};
@@ -340,7 +339,7 @@ async fn answer(
     let mut rights = peer.gate.rights(request.headers(), &peer.names, caller.as_ref(), &path);
     caller.iter().for_each(|caller| peer.gate.note_before(peer.address, caller, &path));
     let unanswered = Unanswered::new(peer.clone(), caller.clone(), path.clone());
-    let (mut stay, mut late) = (None, false);
+    let (mut stay, mut late, cut) = (None, false, Cut::default());
     let response = {
         // Pinned where they are, as a future that moves into another one takes its room twice.
         let answered = pin!(async {
@@ -356,7 +355,7 @@ async fn answer(
             let (turn, long) = peer.gate.turn(caller.as_ref(), &path).await;
             stay.clone_from(&long);
             let request = Request::from_parts(parts, Body::new(arrived.of(long)));
-            let answer = ask(routes, request, peer.gate.web.is_some()).await;
+            let answer = ask(routes, request, &cut, peer.gate.web.is_some()).await;
             drop(turn);
             answer
         });
@@ -390,7 +389,7 @@ async fn answer(
     }
     let taken = response.extensions_mut().remove();
     let ended = held::ended(rights, deadline.filter(|_| !late));
-    Ok(response.map(|body| Held::new(body, call, stay, taken).until(ended).keeping(place)))
+    Ok(response.map(|body| Held::new(body, call, stay, taken).until(ended, cut).keeping(place)))
 }
 
 /// Maximum size of a message to the call of a path, bytes, and the budget that counts it: none for health checks.
@@ -411,14 +410,6 @@ fn detailed(response: Response<Body>) -> Response<Body> {
     match Status::from_header_map(headers) {
         Some(status) => Status::from(Refusal::of_transport(&status)).into_http(),
         None => response,
-    }
-}
-
-/// Hands a call to its service, translated from gRPC-Web where that is allowed.
-async fn ask(mut routes: Routes, request: Request<Body>, web: bool) -> Result<Response<Body>, Infallible> {
-    match web {
-        true => GrpcWebLayer::new().layer(routes).call(request).await,
-        false => routes.call(request).await,
     }
 }
 

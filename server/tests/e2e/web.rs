@@ -1,5 +1,7 @@
 //! gRPC-Web over HTTP/1.1.
 
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD as STANDARD;
 use counterpoint_proto::v1;
 use counterpoint_server::access::Role;
 use http::Method;
@@ -96,5 +98,31 @@ async fn a_request_that_is_no_grpc_call_reaches_no_service() {
     }
     // Nothing was drained.
     server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap();
+    server.stop().await;
+}
+
+/// A page reads no HTTP trailers, so the status has to be in the last message.
+#[tokio::test]
+async fn a_stream_that_ends_early_tells_a_page_its_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = guarded(folder.path());
+    options.guard.grpc_web = true;
+    let token = grant(&options, "page", "t", Role::Read);
+    let server = Server::start(options).await;
+    let calls: [(&str, &[u8]); 2] =
+        [("application/grpc-web+proto", &[0; 5]), ("application/grpc-web-text+proto", b"AAAAAAA=")];
+    for (kind, body) in calls {
+        let headers = format!(
+            "content-type: {kind}\r\ngrpc-timeout: 300m\r\nauthorization: Bearer {token}\r\naccept: {kind}\r\n"
+        );
+        let answer = ask_at(&server, ("POST", "/counterpoint.v1.Jobs/WatchJobs"), &headers, body).await;
+        let text = String::from_utf8_lossy(&answer);
+        let (head, messages) = text.split_once("\r\n\r\n").unwrap();
+        assert!(head.starts_with("HTTP/1.1 200 OK") && !head.contains("grpc-status"), "{text}");
+        let decoded =
+            messages.split("\r\n").filter_map(|chunk| STANDARD.decode(chunk).ok()).flatten().collect::<Vec<u8>>();
+        let read = messages.to_owned() + &String::from_utf8_lossy(&decoded);
+        assert!(read.contains("grpc-status:4"), "{kind}: {text}");
+    }
     server.stop().await;
 }
