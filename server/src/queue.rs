@@ -109,9 +109,15 @@ pub(crate) trait Queue: Send + Debug {
     /// and the end has been in storage for some time.
     fn idle(&self) -> BTreeSet<String>;
 
+    /// Whether these are the jobs of [`Queue::idle`].
+    fn are_idle(&self, jobs: &BTreeSet<String>) -> bool;
+
     /// Number of jobs on workers.
     fn workers(&self) -> usize;
 
     /// Jobs that run or are being stored.
     fn busy(&self) -> BTreeSet<String>;
+
+    /// Number of jobs that run or are being stored.
+    fn busy_count(&self) -> usize;
 }

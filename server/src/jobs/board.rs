@@ -243,7 +243,7 @@ impl Core {
             self.share_cores(&mut queue);
             let id = id?;
             if let Some(live) = self.live(&id) {
-                self.board.running.send_replace(queue.jobs.busy().len());
+                self.board.running.send_replace(queue.jobs.busy_count());
                 return Some(live);
             }
             queue.jobs.free(&id, now);
@@ -315,7 +315,7 @@ impl Core {
             queue.jobs.forget(&live.id);
             self.share_cores(&mut queue);
             self.host.unmark(&live.id);
-            self.board.running.send_replace(queue.jobs.busy().len());
+            self.board.running.send_replace(queue.jobs.busy_count());
         }
         self.changed(live);
         // Ended jobs that stay in memory have bounds of their own.
@@ -350,7 +350,7 @@ impl Core {
             // A cancel comes after the job left the queue, or finds it there.
             let entry = if live.paused() && !live.cancelled() { Entry::Paused } else { Entry::Again(now + pause) };
             push(&mut *queue.jobs, live, entry);
-            self.board.running.send_replace(queue.jobs.busy().len());
+            self.board.running.send_replace(queue.jobs.busy_count());
         }
         self.changed(live);
     }
@@ -413,9 +413,9 @@ impl Core {
     pub(crate) fn workers(&self) -> Busy {
         let (ids, busy, queued) = {
             let queue = lock(&self.board.queue);
-            (queue.jobs.running().to_vec(), queue.jobs.busy(), queue.jobs.len())
+            (queue.jobs.running(), queue.jobs.busy_count(), queue.jobs.len())
         };
-        let storing = busy.len().saturating_sub(ids.len());
+        let storing = busy.saturating_sub(ids.len());
         Busy { running: ids.iter().filter_map(|id| self.live(id)).collect(), storing, queued }
     }
 

@@ -79,10 +79,10 @@ impl Core {
     /// Updates the marks of runs that have started or stopped using processor time: only a working run can crash the
     /// server, and one that is over and waits for its storage does not work.
     pub(super) fn mark_working(&self, queue: &mut Waiting) {
-        let idle = queue.jobs.idle();
-        if idle == queue.idle {
+        if queue.jobs.are_idle(&queue.idle) {
             return;
         }
+        let idle = queue.jobs.idle();
         let busy = queue.jobs.busy();
         let changed = idle.symmetric_difference(&queue.idle).filter(|id| busy.contains(*id));
         for live in changed.filter_map(|id| self.live(id)) {

@@ -76,6 +76,16 @@ impl LocalQueue {
         Some(id)
     }
 
+    /// The jobs of [`Queue::idle`], each once.
+    fn idle_jobs(&self) -> impl Iterator<Item = &String> {
+        let idle = self.running.iter().filter(|run| !run.works());
+        let looked = self.looked;
+        let late =
+            move |since: &Instant| looked.is_some_and(|now| now.saturating_duration_since(*since) >= LONG_STORED);
+        let stored = self.storing.iter().filter(move |(_, since)| late(since));
+        idle.map(|run| &run.id).chain(stored.map(|(id, _)| id))
+    }
+
     /// Whether a tenant may have another worker.
     fn may_run(&self, tenant: &Arc<str>) -> bool {
         let most = self.own_running.get(&**tenant).copied().unwrap_or(self.most_running);
@@ -233,11 +243,12 @@ impl Queue for LocalQueue {
     }
 
     fn idle(&self) -> BTreeSet<String> {
-        let idle = self.running.iter().filter(|run| !run.works());
-        let late =
-            |since: &Instant| self.looked.is_some_and(|now| now.saturating_duration_since(*since) >= LONG_STORED);
-        let stored = self.storing.iter().filter(|(_, since)| late(since));
-        idle.map(|run| &run.id).chain(stored.map(|(id, _)| id)).cloned().collect()
+        self.idle_jobs().cloned().collect()
+    }
+
+    fn are_idle(&self, jobs: &BTreeSet<String>) -> bool {
+        let mut count = 0;
+        self.idle_jobs().inspect(|_| count += 1).all(|id| jobs.contains(id)) && count == jobs.len()
     }
 
     fn workers(&self) -> usize {
@@ -246,6 +257,10 @@ impl Queue for LocalQueue {
 
     fn busy(&self) -> BTreeSet<String> {
         self.running.iter().map(|run| run.id.clone()).chain(self.storing.keys().cloned()).collect()
+    }
+
+    fn busy_count(&self) -> usize {
+        self.running.len() + self.storing.len()
     }
 }
 

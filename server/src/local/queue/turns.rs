@@ -7,11 +7,11 @@
 //! *Invariants:* a tenant without competitors loses no slot; of the suspended runs of a tenant, the run that started
 //! first continues; a tenant with a suspended run starts no job; a new tenant starts with at least the lowest account.
 
-use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::LocalQueue;
+use super::line::Line;
 use crate::queue::Look;
 
 /// Time for which a run keeps its slot when other tenants wait. Checked at every tick, submit and end.
@@ -84,9 +84,8 @@ impl LocalQueue {
                 line.used += time;
             }
         }
-        let ready = self.ready(look);
         let works = |tenant: &Arc<str>| self.running.iter().any(|run| run.tenant == *tenant && !run.stands);
-        let contend = self.lines.iter().filter(|(tenant, _)| works(tenant) || ready.contains(*tenant));
+        let contend = self.lines.iter().filter(|(tenant, line)| works(tenant) || self.is_ready(tenant, line, look));
         let Some(lowest) = contend.map(|(_, line)| line.used).min() else { return };
         self.floor = self.floor.max(lowest);
         let floor = self.floor;
@@ -96,12 +95,9 @@ impl LocalQueue {
         self.lines.retain(|_, line| !line.is_unneeded(floor));
     }
 
-    /// Tenants with a job whose start their own runs do not prevent.
-    fn ready(&self, look: &Look<'_>) -> HashSet<Arc<str>> {
-        let due = self.again.iter().filter(|(at, _, _)| *at <= look.now).map(|(_, _, tenant)| tenant);
-        let waiting = self.lines.iter().filter(|(_, line)| line.len() > 0).map(|(tenant, _)| tenant);
-        let tenants: HashSet<&Arc<str>> = due.chain(waiting).collect();
-        tenants.into_iter().filter(|tenant| self.may_start(tenant, look.slots)).cloned().collect()
+    /// Whether a tenant has a job whose start its own runs do not prevent.
+    fn is_ready(&self, tenant: &Arc<str>, line: &Line, look: &Look<'_>) -> bool {
+        (line.len() > 0 || self.due(tenant, look.now).is_some()) && self.may_start(tenant, look.slots)
     }
 
     /// Assigns free slots, and moves slots from the tenants that have used the most to those that have used the least.
@@ -138,9 +134,9 @@ impl LocalQueue {
     /// The next work, with the rank of its tenant.
     fn next_work(&self, look: &Look<'_>) -> Option<(Rank, Next)> {
         let room = look.starts && (self.running.len() < look.slots.saturating_mul(2) || look.room);
-        let ready = if room { self.ready(look) } else { HashSet::new() };
-        let start = ready.into_iter().filter_map(|tenant| Some((self.rank(&tenant, 0)?, Next::Start(tenant))));
-        let start = start.min_by_key(|(rank, _)| *rank);
+        let ready = self.lines.iter().filter(|(tenant, line)| room && self.is_ready(tenant, line, look));
+        let start = ready.filter_map(|(tenant, _)| Some((self.rank(tenant, 0)?, tenant)));
+        let start = start.min().map(|(rank, tenant)| (rank, Next::Start(tenant.clone())));
         let suspended = self.running.iter().enumerate().filter(|(_, run)| run.suspended);
         let resume = suspended.filter_map(|(at, run)| Some((self.rank(&run.tenant, 0)?, run.start, at)));
         let resume = resume.min().map(|(rank, _, at)| (rank, Next::Resume(at)));
