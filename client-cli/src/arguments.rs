@@ -251,7 +251,7 @@ pub(crate) struct Submit {
     /// line, in the order of the programs. With --request-id ID the request ids are ID-1, ID-2 and so on in this order
     #[arg(long)]
     pub(crate) each: bool,
-    /// With --each, do not wait while the server has no room for a program, but report it as not submitted
+    /// With --each, report a program as not submitted if the server has no room for it, instead of waiting
     #[arg(long, requires = "each")]
     pub(crate) no_wait: bool,
     /// Run the job even if the server keeps the results of an equal one
@@ -351,7 +351,7 @@ pub(crate) enum ResultKind {
     Timeline,
     Toolpath,
     Events,
-    /// Files that macros have written; without a folder for them only their sizes and paths
+    /// Files that macros have written; without -o, only their sizes and paths
     Files,
     /// Report that `run` prints
     Report,

@@ -164,7 +164,7 @@ impl From<counterpoint_client::Error> for Error {
         use counterpoint_client::Error as Client;
         match error {
             Client::Settings(text) => Self::Usage(text),
-            // Made here, not by the server.
+            // The client made this error, not the server.
             Client::Refused(ref status) if status.source().is_some() => Self::Connection(error.to_string()),
             Client::Refused(status) => Self::Refused(status),
             Client::Unreachable { .. } => Self::Connection(unreachable(&error)),

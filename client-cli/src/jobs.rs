@@ -1,4 +1,4 @@
-//! Many jobs: listed, run again.
+//! Lists of jobs, jobs that are run again, and the selection of jobs.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 

@@ -1,7 +1,7 @@
 //! The states of many jobs, followed until the command is interrupted.
 //!
 //! *Invariant:* the end of each job that matches the filter and had not ended at the start is printed, unless the job
-//! has been deleted before; also if the server no longer knows the changes since the cursor.
+//! has been deleted before. This also holds if the server no longer knows the changes since the cursor.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
@@ -15,16 +15,16 @@ use crate::job_status::{json_line, programs, state_name, waits_for_client};
 use crate::jobs::{filter, listed};
 use crate::say;
 
-/// Printed ends that are remembered, however old they are.
+/// Number of printed ends that are remembered regardless of their age.
 const REMEMBERED: usize = 100_000;
-/// Longest time between two ends that are delivered in the reverse order, ms.
+/// Longest time between two ends that are delivered in reverse order, ms.
 const OUT_OF_ORDER_MS: i64 = 3_600_000;
 
 /// States of jobs that have not ended, for a filter. The server counts suspended jobs as running.
 const OPEN: [v1::JobState; 3] = [v1::JobState::Queued, v1::JobState::Running, v1::JobState::Paused];
 
-/// Time in the id of a job, ms since 1970: the time of the server when it accepted the job. Ids are in the order of
-/// acceptance. 0 if there is none.
+/// Time in the id of a job, ms since 1970: the server's time when it accepted the job; 0 if the id has none. Ids are in
+/// the order of acceptance.
 fn accepted_ms(job: &str) -> i64 {
     let digits: String = job.chars().filter(|c| *c != '-').take(12).collect();
     i64::from_str_radix(&digits, 16).unwrap_or(0)
@@ -40,7 +40,7 @@ struct Seen {
     open: HashSet<String>,
     /// Later ends that were printed, with their times.
     ended: HashMap<String, i64>,
-    /// When there are more of them, the oldest are forgotten.
+    /// Number of ends beyond which the oldest are forgotten.
     most: usize,
     /// Time of the last end.
     last_ms: i64,
@@ -49,7 +49,7 @@ struct Seen {
 }
 
 impl Seen {
-    /// Notes a job that was printed or is open.
+    /// Records a job that was printed or is open.
     fn note(&mut self, job: &v1::JobStatus) {
         if job.ended_ms == 0 {
             self.open.insert(job.job_id.clone());
@@ -65,7 +65,7 @@ impl Seen {
         }
     }
 
-    /// Time from which jobs may have ended without a line, by the time of their acceptance, ms.
+    /// Jobs accepted before this time, ms, cannot have ended without a line.
     fn since_ms(&self) -> i64 {
         let oldest = self.open.iter().map(|job| accepted_ms(job)).min();
         accepted_ms(&self.newest).min(oldest.unwrap_or(i64::MAX))
@@ -148,8 +148,8 @@ pub(crate) async fn watch_all(arguments: Watch) -> Result<u8, Error> {
             }
             JobUpdate::Anew => {
                 say::status_line(
-                    "the server no longer knows all changes; the jobs that have ended in the meantime follow, then those \
-                     that have not ended",
+                    "the server no longer knows all changes; the jobs that have ended in the meantime follow, then \
+                     those that have not ended",
                 );
                 for job in missed(&client, &filter, &mut seen).await?.iter().filter(|job| wanted(job)) {
                     say::data(format!("{}\n", line(job, arguments.json)).as_bytes())?;

@@ -22,7 +22,7 @@ use crate::watch_jobs::WatchJobs;
 const ASK: usize = 10_000;
 /// Longest wait of one call, ms.
 const WAIT_MS: u64 = 60_000;
-/// Time of the first look at a job whose end is awaited, and between later looks, ms.
+/// Time before the first status request for an awaited job, and between later requests, ms.
 const FIRST_LOOK_MS: u64 = 1_000;
 const LOOK_MS: u64 = 5_000;
 
@@ -183,7 +183,7 @@ impl Client {
         }
     }
 
-    /// The status of a job at its end or after a time.
+    /// The status of a job at its end, or when the timeout expires.
     async fn wait_for(&self, job: &str, timeout_ms: u64) -> Result<v1::JobStatus, Error> {
         let request = v1::WaitJobRequest { job_id: job.to_owned(), timeout_ms };
         let wait = async || Ok(self.jobs().wait_job(request.clone()).await?.into_inner().status);

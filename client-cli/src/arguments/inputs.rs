@@ -54,7 +54,7 @@ pub(crate) struct Inputs {
     pub(crate) answers: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) operator: Attended,
-    /// Stop the run at this simulated time, in seconds [default: 86400]
+    /// Stop the run at the end of the block in which this simulated time, in seconds, is exceeded [default: 86400]
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,
     /// Stop the run after a channel has executed this many blocks [default: 10000000]
