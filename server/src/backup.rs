@@ -144,11 +144,11 @@ fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
     let failure = loop {
         if ready.is_file() {
             let copied = copy_file(&ready, to, Owner::default());
-            // The request first: for a request without a copy the server makes another one.
+            // The request is removed first: for a request without a copy the server makes another copy.
             [&request, &ready].iter().for_each(|file| drop(fs::remove_file(file)));
             return Ok(copied?);
         }
-        // A server removes all of them at its start; one of an earlier version removes each after the next one exists.
+        // A server removes all three at its start. One of an earlier version removes each after the next one exists.
         if ![&request, &copy, &ready].into_iter().any(|file| file.exists()) {
             return Err(Refusal::Storage(
                 "the server was restarted during the backup: run the backup again".to_owned(),
@@ -208,7 +208,7 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
     copy_file(&from.join("ledger.redb"), &to.join("ledger.redb"), owner).map_err(unfinished)
 }
 
-/// The claim of a command to the folder that it fills. Dropping the claim releases the folder.
+/// The claim of a command on the folder that it fills. Dropping the claim releases the folder.
 #[derive(Debug)]
 struct Claim(PathBuf);
 

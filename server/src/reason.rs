@@ -92,8 +92,8 @@ pub enum Refusal {
     },
     /// The cursor of a watch of many jobs is older than the server's memory of changes.
     #[error(
-        "changes after the cursor {after} are forgotten, the oldest cursor is {oldest}: watch without a cursor, wait for \
-         the first message, and then list the jobs"
+        "changes after the cursor {after} are forgotten; the oldest cursor is {oldest}: watch without a cursor, wait \
+         for the first message, and then list the jobs"
     )]
     CursorTooOld {
         /// Cursor of the client.

@@ -14,7 +14,7 @@ use crate::output;
 const SHOWN: usize = 12;
 const FEWEST: usize = 8;
 const DAY_S: u64 = 86_400;
-/// Most days until a token expires.
+/// Maximum number of days until a token expires.
 const MOST_DAYS: u64 = 36_500;
 /// Use of a row that the command could not add to a file.
 const ROW: &str = "no file of identities is configured: add the row to one, and name it with --access or in the \

@@ -15,8 +15,8 @@ use crate::reason::Refusal;
 /// Most changes that are remembered, and most bytes of them.
 const MOST: usize = 16 * 1024;
 const MOST_BYTES: usize = 8 << 20;
-/// Bits of a cursor for the changes since the start of the server. More changes reach into the numbers of later starts.
-/// These numbers count milliseconds, so no start has one that was reached before.
+/// Bits of a cursor that count the changes since the start of the server. Further changes overflow into the numbers of
+/// later starts. Starts are numbered by milliseconds, so no start gets a number that changes have already reached.
 const CHANGES: u32 = 20;
 
 /// A job has changed.

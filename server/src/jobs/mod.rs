@@ -184,7 +184,7 @@ impl Core {
 
     /// Accepts a job; the answer says whether it was known.
     pub(crate) async fn submit(self: &Arc<Self>, job: Box<NewJob>) -> Result<(Box<Record>, bool), Refusal> {
-        // The ledger itself finds out whether the request is a repeat; one that repeats needs neither room nor a place.
+        // The ledger finds out whether the request is a repeat. A repeat needs neither memory nor a place in the queue.
         let place = match admission::place(self, &job.record.tenant) {
             Ok(place) => place,
             Err(refusal) => return admission::known(self, &job)?.ok_or(refusal),

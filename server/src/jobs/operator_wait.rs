@@ -1,7 +1,7 @@
 //! The wait of a running job for a client: for the answer to a dialog, or for a command of stepping.
 //!
-//! *Invariant:* only a running job waits. The followers of many jobs are notified of the start of each wait of more than a
-//! second, and of the end of each wait that one of them has seen. Short waits for a fast client do not crowd the feed.
+//! *Invariant:* only a running job waits. Followers of many jobs are notified when a wait has lasted one second, and of
+//! the end of each wait that one of them has seen. So short waits for a fast client do not crowd the feed.
 
 use std::collections::BTreeMap;
 
@@ -38,10 +38,10 @@ pub(crate) fn status_for_follower(core: &Core, record: Record) -> v1::JobStatus 
     status
 }
 
-/// Followers of many jobs are notified of waits of this time or more, ms.
+/// Time after which followers of many jobs are notified of a wait, ms.
 const NOTIFY_AFTER_MS: i64 = 1000;
 
-/// Notifies the followers of many jobs of runs that wait for a client, and of waits they have seen that are over.
+/// Notifies the followers of many jobs of runs that wait for a client, and of the ends of waits that they have seen.
 pub(super) fn notify_followers(core: &Core) {
     let running = lock(&core.board.queue).jobs.running();
     let running: BTreeMap<_, _> = running.into_iter().filter_map(|id| Some((id.clone(), core.live(&id)?))).collect();

@@ -1,9 +1,10 @@
 //! Turns for work on blocking threads: each caller has only a few at the same time, and its other calls wait.
 //!
 //! Making a result reads the whole log of a job, and a list reads many rows; both take processor time from others. A
-//! client may disconnect before the work ends, so the limit on calls in progress does not bound this work. *Invariants:*
-//! a turn is held only while its work is done, never while its client reads slowly; a call that waits for a turn has no
-//! thread, and leaves with its client; a caller without turns takes no memory.
+//! client may disconnect before the work ends, so the limit on calls in progress does not bound this work.
+//!
+//! *Invariants:* a turn is held only while its work is done, never while its client reads slowly. A call that waits for
+//! a turn uses no thread, and ends when its client disconnects. A caller without turns takes no memory.
 
 use std::sync::Arc;
 

@@ -15,10 +15,10 @@ use super::owner::Owner;
 
 /// Longest time for which a process waits for a backup or a restore that uses the folder.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Time after which another holder is taken at its word: it may have just taken the lock, or look only whether it is
-/// free.
+/// Time after which the lock counts as held. Before that, the other process may only be testing whether the lock is
+/// free, or may not have written its name yet.
 const MOMENT: Duration = Duration::from_millis(300);
-/// Between two attempts to take the lock.
+/// Time between two attempts to take the lock.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// The holder of a lock.
@@ -33,7 +33,7 @@ pub(crate) enum Holder {
 impl Holder {
     const ALL: [Self; 4] = [Self::Server, Self::Backup, Self::Restore, Self::Doctor];
 
-    /// Whether it needs the folder for a short time only.
+    /// Whether this holder needs the folder only for a short time.
     fn is_brief(self) -> bool {
         matches!(self, Self::Backup | Self::Restore)
     }
@@ -66,7 +66,7 @@ fn named_in(mut file: &File) -> Option<(Holder, u32)> {
     lives.then_some((holder, process))
 }
 
-/// Replaces the content of the file of a lock. It serves people only: a full disk does not keep a server from starting.
+/// Replaces the content of a lock file. Only people need it, so errors are ignored: a full disk prevents no start.
 fn write(mut file: &File, text: &[u8]) {
     let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(text));
 }
@@ -84,7 +84,7 @@ fn busy(holder: Option<(Holder, u32)>) -> io::Error {
     io::Error::new(io::ErrorKind::ResourceBusy, text)
 }
 
-/// Takes the lock, after a backup or restore that has it.
+/// Takes the lock. If a backup or restore holds it, waits for that command to end.
 fn locked(file: File) -> io::Result<File> {
     let (begin, mut waits) = (Instant::now(), false);
     loop {

@@ -282,7 +282,7 @@ impl Store {
         let lasting = self.create_lasting(folder).is_ok();
         let names_are_sure = {
             let unsure = held(&self.unsure);
-            // To hash a path costs more than all else here.
+            // Hashing a path costs more than everything else here.
             unsure.is_empty() || !unsure.contains(path)
         };
         if names_are_sure {

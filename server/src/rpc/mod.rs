@@ -99,15 +99,15 @@ fn page<T, M: Message>(
     Ok((page, String::new()))
 }
 
-/// Reads for an identity what may block, as soon as it has a turn: a flood of calls takes few threads, and a call whose
-/// client leaves before its turn begins nothing.
+/// Runs a lookup that may block, as soon as its identity has a turn. So a flood of calls takes few threads, and a call
+/// whose client disconnects before its turn reads nothing.
 async fn look_up<T: Send + 'static>(
     core: &Core,
     identity: &str,
     read: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
 ) -> Result<T, Refusal> {
     let turn = core.streams.lookups.turn(identity).await;
-    // The thread holds the turn: the read goes on after its client has left.
+    // The thread holds the turn, because the lookup continues after its client has disconnected.
     let held = move || {
         let read = read();
         drop(turn);

@@ -227,7 +227,7 @@ impl Attend {
         let Some(question) = self.live.desk().question(id) else { return Ok(()) };
         // The client asks again: one wrong answer ends neither the stream nor the question.
         let question = v1::Question { problem: Status::from(refusal).message().to_owned(), ..question };
-        // The loop finds out that the client has gone.
+        // The loop notices that the client has disconnected.
         let _ = self.send.send(Ok(message(Content::Question(question)))).await;
         Ok(())
     }

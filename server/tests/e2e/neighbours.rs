@@ -1,5 +1,6 @@
 //! How much the jobs of other tenants cost a tenant. Run by hand, in release, on a quiet machine: `cargo test --release
-//! -p counterpoint-server --test e2e neighbours -- --ignored --nocapture`. `ROUNDS` is the number of pairs.
+//! -p counterpoint-server --test e2e neighbours -- --ignored --nocapture --test-threads 1`. `ROUNDS` is the number of
+//! pairs or of late jobs.
 
 #![allow(clippy::print_stdout)]
 

@@ -18,7 +18,7 @@ async fn submit(server: &Server, script: &str, options: v1::JobOptions) -> Strin
     server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id
 }
 
-/// What every call that shows the job says about its wait; all agree.
+/// The wait of the job, about which all calls that show the job must agree.
 async fn shown(server: &Server, job: &str) -> Option<v1::OperatorWait> {
     let got = server.status(job).await.operator_wait;
     let list = server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap().into_inner();
@@ -119,7 +119,7 @@ async fn the_progress_of_a_job_that_is_held_back_says_so() {
     server.stop().await;
 }
 
-/// A client may see a wait at once, for example when it begins to follow the jobs.
+/// A client may see a wait at once, for example when it starts to follow the jobs.
 #[tokio::test(flavor = "multi_thread")]
 async fn the_end_of_a_short_wait_is_reported_to_those_who_saw_it() {
     let data = tempfile::tempdir().unwrap();

@@ -11,10 +11,11 @@ const JOBS: usize = 150;
 const LISTS: usize = 800;
 /// Calls on one connection, fewer than its streams.
 const OF_A_CONNECTION: usize = 40;
-/// Most lists of the flood that may be answered during one call of another identity: far more than have turns.
+/// Maximum number of lists of the flood that may be answered during one call of another identity: far more than have
+/// turns.
 const MEANWHILE: usize = LISTS / 8;
 
-/// Before the first call of another identity, a lone one has no limit on its calls.
+/// Before the first call of another identity, a single identity has no limit on its calls.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_call_of_another_identity_precedes_a_flood_of_lists() {
     let folder = tempfile::tempdir().unwrap();

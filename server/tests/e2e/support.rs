@@ -377,7 +377,7 @@ impl Server {
         name
     }
 
-    /// The digest and the size that the server tells.
+    /// The digest and the size that the server returns.
     pub async fn try_upload(&self, content: &[u8]) -> Result<(String, u64), tonic::Status> {
         let mut chunks: Vec<_> =
             content.chunks(1000).map(|c| v1::UploadRequest { data: c.to_vec().into(), ..Default::default() }).collect();

@@ -1,7 +1,7 @@
 //! Copies of the ledger for the backups that request them.
 //!
 //! A file in `tmp` is the request; its process locks it, and removes it with the copy at its end. *Invariant:* a copy
-//! whose process has ended is removed within two looks at the requests.
+//! whose process has ended is removed within two checks of the requests.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -47,7 +47,7 @@ pub(super) fn serve(store: &Store, copy: impl Fn(&Path) -> Result<(), Refusal>) 
         let (part, ready) = (path.with_extension("copy"), path.with_extension("ready"));
         let Ok(request) = Request::of(&path) else { continue };
         if request == Request::Abandoned {
-            tracing::info!("a backup has ended without its copy of the ledger: the copy is removed");
+            tracing::info!("a backup has ended without taking its copy of the ledger: the copy is removed");
             [&part, &ready, &path].iter().for_each(|file| drop(fs::remove_file(file)));
             continue;
         }
@@ -58,7 +58,7 @@ pub(super) fn serve(store: &Store, copy: impl Fn(&Path) -> Result<(), Refusal>) 
             if request == Request::Loose {
                 fs::remove_file(&path)?;
             } else {
-                // The backup may have ended meanwhile; then no process would take the copy.
+                // The backup may have ended in the meantime; then no process would take the copy.
                 fs::metadata(&path)?;
             }
             Ok(fs::rename(&part, &ready)?)

@@ -14,7 +14,7 @@ use crate::reason::Refusal;
 const MARK: u8 = 1;
 /// Mark and checksum.
 pub(super) const HEAD: usize = 5;
-/// Bytes at first for a row in the making; those of almost all jobs are shorter.
+/// Initial capacity of a new row, bytes; the rows of almost all jobs are shorter.
 const ROOM: usize = 2048;
 
 fn crc(table: &str, key: &str, content: &[u8]) -> [u8; 4] {
