@@ -14,6 +14,7 @@ const FLOORS: &[&[&str]] = &[
     &["program"],
     &["dialect", "results"],
     &["sync"],
+    &["waits"],
     &["emulator"],
     &["kernel"],
     &["server", "client"],

@@ -19,7 +19,6 @@ use crate::state::figure::Figure;
 use crate::state::frames::offsets::Table;
 use crate::state::spindle::Turning;
 use crate::state::turning::ContourCycle;
-use crate::waits::coupling::Pair;
 use counterpoint_dialect::{NotThere, is_vacant};
 use counterpoint_event::event::{Event, Kind, Motion, Position, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
@@ -28,6 +27,7 @@ use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::{Datum, PendingCode, Word};
 use counterpoint_sync::shared::Command;
 use counterpoint_sync::wait::{self, Wait};
+use counterpoint_waits::coupling::Pair;
 
 /// The context of an action.
 pub(crate) struct Act<'k, 'a> {

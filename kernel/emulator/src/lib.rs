@@ -14,4 +14,3 @@ pub mod macros;
 mod pipeline;
 pub mod state;
 mod trace;
-pub mod waits;

@@ -6,12 +6,12 @@
 use crate::act::Act;
 use crate::action::entry::Entry;
 use crate::state::coupling::{Coupling, Parking};
-use crate::waits::coupling::{self, End, Kind, Pair};
 use counterpoint_event::event::Kind as Logged;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{DataId, codes, data};
 use counterpoint_machine::model::SyncDialect;
+use counterpoint_waits::coupling::{self, End, Kind, Pair};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[

@@ -4,8 +4,6 @@
 
 use crate::act::Act;
 use crate::action::entry::Entry;
-use crate::waits::balance::{self, Stage};
-use crate::waits::{self, Meaning, Said};
 use counterpoint_event::event::Kind;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -14,6 +12,8 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::data;
 use counterpoint_machine::model::SyncDialect;
 use counterpoint_machine::rows::CodeRow;
+use counterpoint_waits::balance::{self, Stage};
+use counterpoint_waits::{self as waits, Meaning, Said};
 
 /// Codes with their actions.
 pub(crate) const ENTRIES: &[Entry] = &[

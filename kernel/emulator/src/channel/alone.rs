@@ -10,7 +10,7 @@ use counterpoint_sync::shared::Alone;
 use super::Kernel;
 use super::coupling::{Meeting, Moved, key as coupling_key};
 use crate::state::coupling::{Coupling, Parking};
-use crate::waits::coupling::{self, Kind, Pair};
+use counterpoint_waits::coupling::{self, Kind, Pair};
 
 impl Kernel<'_> {
     /// Whether the program of this channel alone has the code of synchronous control.

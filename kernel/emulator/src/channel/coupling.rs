@@ -19,7 +19,7 @@ use super::Kernel;
 use crate::state::State;
 use crate::state::coupling::{Coupling, Parking, slots};
 use crate::state::position::Bounds;
-use crate::waits::coupling::{End, Kind, Pair};
+use counterpoint_waits::coupling::{End, Kind, Pair};
 
 /// Where two channels meet.
 #[derive(Debug, Clone, Copy)]

@@ -13,8 +13,8 @@ use counterpoint_sync::Moved;
 use counterpoint_sync::wait::{Act, Wait};
 
 use super::Kernel;
-use crate::waits::Meaning;
-use crate::waits::leases::{self, Leased, of_axis};
+use counterpoint_waits::Meaning;
+use counterpoint_waits::leases::{self, Leased, of_axis};
 
 impl Kernel<'_> {
     /// A statement about an axis or a spindle that channels exchange; some pass it on to another channel.

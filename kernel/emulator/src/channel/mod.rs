@@ -68,12 +68,12 @@ use crate::state::State;
 use crate::state::burden::Burden;
 use crate::state::channel::{Acting, At, BlockText, Channel, Reports};
 use crate::state::pace::Pace;
-use crate::waits::rules;
 use counterpoint_event::event::{Event, Kind};
 use counterpoint_machine::model::Channel as MachineChannel;
 use counterpoint_program::block::Block;
 use counterpoint_sync::order::Order;
 use counterpoint_sync::tag::Tag;
+use counterpoint_waits::rules;
 
 /// The kernel of one channel.
 pub struct Kernel<'a> {

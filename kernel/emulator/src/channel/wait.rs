@@ -9,7 +9,6 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use crate::waits::is_passed_in_motion;
 use counterpoint_event::event::{Kind, Primitive, Release, Verdict, Wait};
 use counterpoint_fault as diag;
 use counterpoint_ports::control::State;
@@ -21,6 +20,7 @@ use counterpoint_sync::order::idle::Program;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::wait::{self, Finish, Terminal, Waiting};
 use counterpoint_sync::waits::Short;
+use counterpoint_waits::is_passed_in_motion;
 
 impl Kernel<'_> {
     /// Selects the program of another channel, or none.

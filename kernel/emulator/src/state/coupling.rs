@@ -3,7 +3,7 @@
 use counterpoint_machine::index::AxisSlot;
 
 use super::position::Axis;
-use crate::waits::coupling::{Kind, Pair};
+use counterpoint_waits::coupling::{Kind, Pair};
 
 /// Which of both axes does not move in synchronous control (Fanuc L).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -11,7 +11,6 @@ use super::shared::{Shared, Spindle};
 use super::{Assembly, Start};
 use crate::prepared::Job;
 use counterpoint_emulator::channel::carried::{Carried, Lived};
-use counterpoint_emulator::waits::{of_axis, rules};
 use counterpoint_event::event::{Event, FileId, Kind, Phase};
 use counterpoint_fault::Halt;
 use counterpoint_machine::Machine;
@@ -21,6 +20,7 @@ use counterpoint_sync::merge::Message;
 use counterpoint_sync::races::Races;
 use counterpoint_sync::tag::Tag;
 use counterpoint_sync::waits::Waits;
+use counterpoint_waits::{of_axis, rules};
 
 /// How often Machine Shutdown may start the machine again.
 const MOST: u32 = 1000;

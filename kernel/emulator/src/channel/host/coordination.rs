@@ -10,8 +10,8 @@ use counterpoint_sync::order::idle::Program;
 use counterpoint_sync::wait::{Act, Marks};
 
 use crate::channel::Kernel;
-use crate::waits::{self, Meaning, Statement};
 use counterpoint_dialect::{Coordination, Operands, Signal};
+use counterpoint_waits::{self as waits, Meaning, Statement};
 
 impl Coordination for Kernel<'_> {
     fn coordinates(&self, statement: &str) -> Option<Operands> {

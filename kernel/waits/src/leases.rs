@@ -15,7 +15,7 @@ use super::{LEASE, Meaning, all, of_row};
 
 /// The kind of object that a statement exchanges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Leased {
+pub enum Leased {
     /// An axis that channels exchange.
     Axis(AxisId),
     /// An axis that the channel always has.
@@ -45,7 +45,7 @@ pub(super) fn names(machine: &Machine) -> Arc<[Box<str>]> {
 ///
 /// # Errors
 /// The channel has no such axis, or the machine no such channel.
-pub(crate) fn by_name(
+pub fn by_name(
     machine: &Machine,
     (statement, name): (&str, &str),
     channel: u16,
@@ -90,7 +90,7 @@ fn spindle(machine: &Machine, name: &str) -> Option<usize> {
 }
 
 /// The wait with which a machine asks for an axis by itself.
-pub(crate) fn automatic(machine: &Machine, axis: AxisId, channel: u16) -> Option<Wait> {
+pub fn automatic(machine: &Machine, axis: AxisId, channel: u16) -> Option<Wait> {
     let asks = |row: &counterpoint_machine::model::WaitRow| {
         row.primitive == Primitive::Lease && row.act == WaitAct::Wait && row.form.is_none()
     };

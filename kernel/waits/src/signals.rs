@@ -37,7 +37,7 @@ pub(super) fn rule(machine: &Machine, row: &WaitRow) -> Signals {
 ///
 /// # Errors
 /// The control has no such number.
-pub(crate) fn signal_number(machine: &Machine, statement: &str, number: f64) -> Result<u32, String> {
+pub fn signal_number(machine: &Machine, statement: &str, number: f64) -> Result<u32, String> {
     let highest = find(machine, statement).map_or(0, |(_, row)| row.highest);
     let possible = number.fract() == 0.0 && (0.0..=f64::from(highest)).contains(&number);
     if possible {
@@ -74,12 +74,7 @@ fn read<'m>(
 ///
 /// # Errors
 /// Why its number, its list or its count is not possible.
-pub(crate) fn signal(
-    machine: &Machine,
-    statement: &str,
-    channel: u16,
-    signal: &Signal,
-) -> Result<(Send, Wait), String> {
+pub fn signal(machine: &Machine, statement: &str, channel: u16, signal: &Signal) -> Result<(Send, Wait), String> {
     let (rule, row, key, named) = read(machine, statement, signal)?;
     let lasts = match signal.uses {
         Some(uses) if uses.fract() != 0.0 || !(1.0..=MOST_USES).contains(&uses) => {
@@ -98,7 +93,7 @@ pub(crate) fn signal(
 ///
 /// # Errors
 /// Why its number or its list is not possible.
-pub(crate) fn signal_wait(machine: &Machine, statement: &str, channel: u16, signal: &Signal) -> Result<Wait, String> {
+pub fn signal_wait(machine: &Machine, statement: &str, channel: u16, signal: &Signal) -> Result<Wait, String> {
     let (rule, _, key, named) = read(machine, statement, signal)?;
     let parts = named.unwrap_or(all(machine)).with(channel);
     let need = u16::from(named.is_none());

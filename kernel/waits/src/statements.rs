@@ -12,7 +12,7 @@ use counterpoint_sync::wait::{Key, Set};
 use super::{Meaning, all, of_row};
 
 /// The effect of a statement.
-pub(crate) enum Statement {
+pub enum Statement {
     /// It waits, or lets others continue.
     Meaning(Meaning),
     /// It starts these channels.
@@ -35,7 +35,7 @@ pub(super) fn takes_axes(row: &WaitRow) -> bool {
 }
 
 /// Operands of a statement; `None` if it is not one of `[[waits]]`.
-pub(crate) fn operands(machine: &Machine, name: &str) -> Option<Operands> {
+pub fn operands(machine: &Machine, name: &str) -> Option<Operands> {
     let (_, row) = find(machine, name)?;
     Some(match (row.primitive, row.act) {
         (Primitive::Lease, WaitAct::Give) => Operands::AxesAndChannels,
@@ -51,7 +51,7 @@ pub(crate) fn operands(machine: &Machine, name: &str) -> Option<Operands> {
 ///
 /// # Errors
 /// Why its arguments are not possible.
-pub(crate) fn by_statement(
+pub fn by_statement(
     machine: &Machine,
     name: &str,
     channel: u16,
@@ -78,7 +78,7 @@ pub(crate) fn by_statement(
 ///
 /// # Errors
 /// There is no such channel.
-pub(crate) fn known_channel(machine: &Machine, number: i64) -> Result<u16, String> {
+pub fn known_channel(machine: &Machine, number: i64) -> Result<u16, String> {
     let known = u16::try_from(number).ok().filter(|number| all(machine).has(*number));
     known.ok_or_else(|| format!("the machine has no channel {number}"))
 }

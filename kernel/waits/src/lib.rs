@@ -4,20 +4,20 @@
 //! *Invariant:* the kernels and the coordinator of a job number the rules in the same way. Facts: reference
 //! channel-synchronisation.md 1.0 to 1.9.
 
-pub(crate) mod balance;
+pub mod balance;
 mod channels;
-pub(crate) mod coupling;
+pub mod coupling;
 mod fanuc;
-pub(crate) mod leases;
+pub mod leases;
 mod line_up;
 mod siemens;
 mod signals;
 mod statements;
 
 pub use leases::of_axis;
-pub(crate) use line_up::of_systems;
-pub(crate) use signals::{signal, signal_number, signal_wait};
-pub(crate) use statements::{Statement, by_statement, known_channel, operands};
+pub use line_up::of_systems;
+pub use signals::{signal, signal_number, signal_wait};
+pub use statements::{Statement, by_statement, known_channel, operands};
 
 use counterpoint_event::event::Primitive;
 use counterpoint_machine::ident::CodeId;
@@ -49,7 +49,7 @@ const BY_ROW: u16 = 0x8000;
 
 /// The meaning of a word of the program.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Meaning {
+pub enum Meaning {
     /// It waits.
     Wait(Wait),
     /// It does something for others, which is shown as this wait would be.
@@ -58,13 +58,13 @@ pub(crate) enum Meaning {
 
 /// Data of a block at a waiting code.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Said {
+pub struct Said {
     /// Channel of the program.
-    pub(crate) channel: u16,
+    pub channel: u16,
     /// Number of the mark.
-    pub(crate) number: u32,
+    pub number: u32,
     /// Value of the list of channels.
-    pub(crate) list: Option<f64>,
+    pub list: Option<f64>,
 }
 
 /// The rules of all waits of a machine. The rules of a composite machine and of its components have the same numbers,
@@ -133,7 +133,7 @@ fn rule(machine: &Machine, row: &WaitRow) -> Rule {
 }
 
 /// Whether the path need not stop at a wait.
-pub(crate) fn is_passed_in_motion(machine: &Machine, wait: &Wait) -> bool {
+pub fn is_passed_in_motion(machine: &Machine, wait: &Wait) -> bool {
     let row = wait.rule.checked_sub(ROWS);
     row.and_then(|row| machine.sync.waits.get(usize::from(row))).is_some_and(|row| !row.stops)
 }
@@ -144,18 +144,18 @@ fn all(machine: &Machine) -> Set {
 }
 
 /// The first two channels.
-pub(crate) fn heads(machine: &Machine) -> Set {
+pub fn heads(machine: &Machine) -> Set {
     machine.channels.iter().take(2).map(|channel| channel.number).collect()
 }
 
 /// The mark of both heads with one of their letters.
-pub(crate) fn head_mark(letter: char, number: u32, heads: Set) -> Wait {
+pub fn head_mark(letter: char, number: u32, heads: Set) -> Wait {
     let index = HEADS.iter().position(|head| *head == letter).unwrap_or(0);
     barrier(letter, number, (None, heads), START + 1 + index as u16)
 }
 
 /// The start of the other head by this one, and the wait of the other head for it.
-pub(crate) fn start(by: u16, heads: Set) -> (Act, Wait) {
+pub fn start(by: u16, heads: Set) -> (Act, Wait) {
     let key = Key { space: 'S' as u16, number: u32::from(by) };
     let wait = Wait { primitive: Primitive::Signal, key, named: None, parts: heads, need: 0, rule: START };
     (Act::Signal(Send { key, to: heads.without(by), broadcast: false, lasts: Lasts::Each }), wait)
@@ -170,7 +170,7 @@ fn barrier(letter: char, number: u32, (named, parts): (Option<Set>, Set), rule: 
 ///
 /// # Errors
 /// Why its list of channels is not possible.
-pub(crate) fn meaning(machine: &Machine, code: &CodeRow, said: Said) -> Result<Meaning, String> {
+pub fn meaning(machine: &Machine, code: &CodeRow, said: Said) -> Result<Meaning, String> {
     let index = machine.sync.waits.iter().position(|row| row.is_of(&code.form));
     match index.and_then(|index| Some((index, machine.sync.waits.get(index)?))) {
         Some((index, row)) => by_row(machine, (index as u16, row), said),
@@ -179,12 +179,12 @@ pub(crate) fn meaning(machine: &Machine, code: &CodeRow, said: Said) -> Result<M
 }
 
 /// Whether waiting codes of this row do something on this machine.
-pub(crate) fn is_on(machine: &Machine, code: &CodeRow) -> bool {
+pub fn is_on(machine: &Machine, code: &CodeRow) -> bool {
     machine.sync.dialect != model::SyncDialect::None || machine.sync.waits.iter().any(|row| row.is_of(&code.form))
 }
 
 /// Whether this is a wait for a signal that no other channel can send.
-pub(crate) fn is_for_nobody(wait: &Wait, own: u16) -> bool {
+pub fn is_for_nobody(wait: &Wait, own: u16) -> bool {
     wait.primitive == Primitive::Signal && wait.parts.without(own).is_empty()
 }
 

@@ -18,7 +18,7 @@ use super::{BY_ROW, Meaning, all, of_row};
 ///
 /// # Errors
 /// Why its list of systems is not possible.
-pub(crate) fn of_systems(
+pub fn of_systems(
     machine: &Machine,
     (info, sources): (&Info, SeenSources<'_>),
     code: &CodeRow,

@@ -17,7 +17,7 @@ use super::{COUPLING, extra_rule};
 
 /// The effect of the code on two axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// The slave follows the master.
     Synchronous,
     /// The words of each channel move the axis of the other channel.
@@ -40,7 +40,7 @@ impl Kind {
     }
 
     /// As it is logged.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Synchronous => "synchronous",
             Self::Composite => "composite",
@@ -49,7 +49,7 @@ impl Kind {
     }
 
     /// The alarm for an axis that is coupled already.
-    pub(crate) fn taken(self) -> &'static str {
+    pub fn taken(self) -> &'static str {
         match self {
             Self::Synchronous => "PS0352",
             Self::Composite => "PS0357",
@@ -60,24 +60,24 @@ impl Kind {
 
 /// An axis that a code names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct End {
+pub struct End {
     /// Its number.
-    pub(crate) number: u16,
+    pub number: u16,
     /// The axis.
-    pub(crate) axis: AxisId,
+    pub axis: AxisId,
     /// Its channel.
-    pub(crate) channel: u16,
+    pub channel: u16,
 }
 
 /// Two axes that a code couples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Pair {
+pub struct Pair {
     /// How.
-    pub(crate) kind: Kind,
+    pub kind: Kind,
     /// The axis that P names.
-    pub(crate) master: End,
+    pub master: End,
     /// The axis that Q names.
-    pub(crate) slave: End,
+    pub slave: End,
 }
 
 /// The rules of the codes, two for each kind.
@@ -92,7 +92,7 @@ pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
 ///
 /// # Errors
 /// The number is missing, or names no axis that can be coupled.
-pub(crate) fn end(machine: &Machine, letter: char, number: Option<f64>) -> Result<End, String> {
+pub fn end(machine: &Machine, letter: char, number: Option<f64>) -> Result<End, String> {
     let Some(value) = number else { return Err(format!("{letter} with the number of an axis is missing")) };
     let has = |number: u16| f64::from(number) == value;
     let named = machine.axes.find(|axis| axis.coupling.number.is_some_and(has));
@@ -108,7 +108,7 @@ pub(crate) fn end(machine: &Machine, letter: char, number: Option<f64>) -> Resul
 }
 
 /// Whether the program of a channel, and programs of other channels, have the code of synchronous control.
-pub(crate) fn words(machine: &Machine, (info, sources): (&Info, SeenSources<'_>), own: (FileId, Range)) -> [bool; 2] {
+pub fn words(machine: &Machine, (info, sources): (&Info, SeenSources<'_>), own: (FileId, Range)) -> [bool; 2] {
     let mut found = [false; 2];
     let Some(word) = super::word(machine, codes::COUPLE_SYNCHRONOUS) else { return found };
     let mut files: Vec<FileId> = info.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.file).collect();
@@ -144,7 +144,7 @@ fn has_word(line: &[u8], word: &[u8]) -> bool {
 ///
 /// # Errors
 /// Why the control does not couple them.
-pub(crate) fn pair(machine: &Machine, kind: Kind, master: End, slave: End) -> Result<Pair, String> {
+pub fn pair(machine: &Machine, kind: Kind, master: End, slave: End) -> Result<Pair, String> {
     let name = |end: End| &machine.axes[end.axis].name;
     if master.axis == slave.axis {
         return Err(format!("P and Q both name axis {}", name(master)));
@@ -161,7 +161,7 @@ pub(crate) fn pair(machine: &Machine, kind: Kind, master: End, slave: End) -> Re
 
 impl Pair {
     /// Where both channels meet before the code acts. A code that names the slave alone is shown so.
-    pub(crate) fn wait(&self, machine: &Machine, off: bool) -> Wait {
+    pub fn wait(&self, machine: &Machine, off: bool) -> Wait {
         let at = self.kind as u16 * 2 + u16::from(off);
         let master = if off && self.kind != Kind::Composite { 0 } else { u32::from(self.master.number) };
         let key = Key { space: COUPLING + at, number: (master << 15) | u32::from(self.slave.number) };
@@ -172,7 +172,7 @@ impl Pair {
     }
 
     /// The axis of a channel, and the other axis.
-    pub(crate) fn of(&self, channel: u16) -> Option<(End, End)> {
+    pub fn of(&self, channel: u16) -> Option<(End, End)> {
         if channel == self.master.channel {
             Some((self.master, self.slave))
         } else if channel == self.slave.channel {
@@ -183,7 +183,7 @@ impl Pair {
     }
 
     /// −1 if the two axes point in opposite directions.
-    pub(crate) fn sign(&self, machine: &Machine) -> f64 {
+    pub fn sign(&self, machine: &Machine) -> f64 {
         let mirrored = |end: End| machine.axes[end.axis].coupling.mirrored;
         if mirrored(self.master) == mirrored(self.slave) { 1.0 } else { -1.0 }
     }

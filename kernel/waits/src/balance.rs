@@ -13,7 +13,7 @@ use super::{BALANCE, Said, all, channels, extra_rule};
 
 /// The common wait of the channels of balance cutting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Stage {
+pub enum Stage {
     /// The code that switches it on.
     On,
     /// The first cut of a block.
@@ -34,7 +34,7 @@ pub(super) fn rules(machine: &Machine) -> impl Iterator<Item = Rule> {
 ///
 /// # Errors
 /// Why the list of channels is not possible.
-pub(crate) fn wait(machine: &Machine, said: Said) -> Result<Wait, String> {
+pub fn wait(machine: &Machine, said: Said) -> Result<Wait, String> {
     let everybody = all(machine);
     let named = said.list.map(|list| channels::named(list, machine.sync.paths, everybody)).transpose()?;
     let parts = match named {
@@ -52,7 +52,7 @@ pub(crate) fn wait(machine: &Machine, said: Said) -> Result<Wait, String> {
 }
 
 /// Another stage of the channels of a wait.
-pub(crate) fn at(machine: &Machine, wait: &Wait, to: Stage) -> Wait {
+pub fn at(machine: &Machine, wait: &Wait, to: Stage) -> Wait {
     stage(machine, wait.parts, to)
 }
 
