@@ -1,5 +1,5 @@
-//! Counts in the code of a crate: methods of a type, types that share a name, names of machines, texts made for the
-//! scanner.
+//! Counts in the code of a crate: methods of a type, types that share a name, types that dereference to another one,
+//! names of machines, texts made for the scanner, names of a type that a folder must not know.
 //!
 //! Invariant: test code does not count.
 
@@ -18,6 +18,8 @@ pub(crate) struct Types {
     pub(crate) methods: BTreeMap<String, usize>,
     /// Files with such methods.
     pub(crate) files: BTreeMap<String, BTreeSet<String>>,
+    /// `Deref` and `DerefMut` of each type.
+    pub(crate) derefs: BTreeMap<String, usize>,
 }
 
 /// Collects the types of a file.
@@ -56,6 +58,12 @@ impl<'ast> Visit<'ast> for Reader<'_> {
     fn visit_item_impl(&mut self, item: &'ast syn::ItemImpl) {
         let methods = item.items.iter().filter(|item| matches!(item, syn::ImplItem::Fn(one) if !is_test(&one.attrs)));
         let methods = methods.count();
+        let of = item.trait_.as_ref().and_then(|(_, path, _)| path.segments.last());
+        if of.is_some_and(|of| of.ident == "Deref" || of.ident == "DerefMut")
+            && let Some(name) = type_name(&item.self_ty)
+        {
+            *self.types.derefs.entry(name).or_default() += 1;
+        }
         let own = item.trait_.is_none() && !is_test(&item.attrs) && methods > 0;
         if let Some(name) = type_name(&item.self_ty).filter(|_| own) {
             *self.types.methods.entry(name.clone()).or_default() += methods;
@@ -141,6 +149,17 @@ pub(crate) fn mentions(code: &Code, machines: &BTreeSet<String>) -> [usize; 2] {
     mentions.found
 }
 
+/// Folders that must not know a type.
+const CLOSED: [(&str, &str); 1] = [("kernel/emulator/src/action/", "Kernel")];
+
+/// How often a file names a type that its folder must not know, comments included.
+pub(crate) fn closed(path: &str, text: &str) -> usize {
+    let closed = CLOSED.iter().filter(|(folder, _)| path.starts_with(folder));
+    let names =
+        |name: &str| text.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| *word == name).count();
+    closed.map(|(_, name)| names(name)).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -166,6 +185,22 @@ mod tests {
         assert_eq!(types.methods["Wide"], 3);
         assert_eq!(types.files["Wide"].len(), 2);
         assert_eq!(types.defined, BTreeMap::from([("T".to_owned(), 1), ("Wide".to_owned(), 2)]));
+    }
+
+    #[test]
+    fn both_forms_of_deref_count_for_their_type() {
+        let types = types(&[code(
+            "a.rs",
+            "impl std::ops::Deref for A<'_> { fn deref(&self) {} } impl<T> DerefMut for A<'_> {} impl Clone for B {}",
+        )]);
+        assert_eq!(types.derefs, BTreeMap::from([("A".to_owned(), 2)]));
+    }
+
+    #[test]
+    fn names_of_the_kernel_count_in_the_folder_of_actions_only() {
+        let text = "/// `Kernel::new`\nfn f(kernel: &mut Kernel<'_>, of: KernelKind) {}";
+        assert_eq!(closed("kernel/emulator/src/action/motion.rs", text), 2);
+        assert_eq!(closed("kernel/emulator/src/act.rs", text), 0);
     }
 
     #[test]

@@ -35,11 +35,13 @@ const fn rule(table: &'static str, unit: &'static str, most: usize, remedy: &'st
     Rule { table, unit, most, remedy }
 }
 
-const RULES: [Rule; 14] = [
+const RULES: [Rule; 16] = [
     rule("files", "lines", LINES, "split it by idea"),
     rule("types", "fields", FIELDS, "split it by idea"),
     rule("methods", "methods", 80, "split it into several types"),
     rule("spread", "files with methods", 12, "pass functions only the part that they need"),
+    rule("derefs", "Deref and DerefMut", 0, "name the part that is meant"),
+    rule("closed", "names of a type that the folder must not know", 0, "call a service of its context"),
     rule("cycles", "modules in cycles", 0, "make dependencies point downwards only"),
     rule("circles", "files in cycles", 0, "make dependencies point downwards only"),
     rule("crates", "thousand lines", 12, "split it by idea"),
@@ -103,6 +105,7 @@ fn measure_file(code: &Code, machines: &BTreeSet<String>, found: &mut Exceptions
     }
     let [named, scanned] = counts::mentions(code, machines);
     found.note("machine_names", &code.path, named);
+    found.note("closed", &code.path, counts::closed(&code.path, &code.text));
     found.note("scanned", &code.path, scanned);
 }
 
@@ -123,6 +126,9 @@ fn measure_crate(name: &str, codes: &[Code], found: &mut Exceptions) -> Types {
     }
     for (one, count) in &types.methods {
         found.note("methods", format!("{name}: {one}"), *count);
+    }
+    for (one, count) in &types.derefs {
+        found.note("derefs", format!("{name}: {one}"), *count);
     }
     for (one, files) in &types.files {
         found.note("spread", format!("{name}: {one}"), files.len());

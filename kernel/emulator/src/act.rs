@@ -3,12 +3,13 @@
 //! *Invariant:* an action cannot reach the flow of the program, the machine's macros, the plan or the coordinator. The
 //! kernel executes its requests to them, calls and ends at the end of the block.
 
-use std::ops::{Deref, DerefMut};
+use std::fmt::Debug;
 use std::sync::Arc;
 
 use counterpoint_fault::{Acted, Facts, Halt, Stop};
 
 use crate::channel::Kernel;
+use crate::channel::actions::Action;
 use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::channel::plan::Source;
@@ -29,25 +30,22 @@ use counterpoint_sync::shared::Command;
 use counterpoint_sync::wait::{self, Wait};
 use counterpoint_waits::coupling::Pair;
 
+/// The effect of a code on its channel.
+pub(crate) trait CodeAction: Debug + Sync {
+    /// Executes the code.
+    fn execute(&self, act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted;
+}
+
+impl<T: CodeAction> Action for T {
+    #[inline]
+    fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
+        self.execute(&mut Act::new(kernel), row, code)
+    }
+}
+
 /// The context of an action.
 pub(crate) struct Act<'k, 'a> {
     kernel: &'k mut Kernel<'a>,
-}
-
-impl<'a> Deref for Act<'_, 'a> {
-    type Target = Channel<'a>;
-
-    #[inline(always)]
-    fn deref(&self) -> &Channel<'a> {
-        &self.kernel.channel
-    }
-}
-
-impl DerefMut for Act<'_, '_> {
-    #[inline(always)]
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.kernel.channel
-    }
 }
 
 impl<'k, 'a> Act<'k, 'a> {
@@ -60,6 +58,18 @@ impl<'k, 'a> Act<'k, 'a> {
     #[inline(always)]
     pub(crate) fn new(kernel: &'k mut Kernel<'a>) -> Self {
         Self { kernel }
+    }
+
+    /// The data of the channel.
+    #[inline(always)]
+    pub(crate) fn channel(&self) -> &Channel<'a> {
+        &self.kernel.channel
+    }
+
+    /// The same, to change them.
+    #[inline(always)]
+    pub(crate) fn channel_mut(&mut self) -> &mut Channel<'a> {
+        &mut self.kernel.channel
     }
 }
 
@@ -99,13 +109,14 @@ impl Act<'_, '_> {
 
     /// Whether a free word that can move an axis or shape an arc is in the block.
     pub(crate) fn has_motion_word(&self) -> bool {
-        self.has_any(self.kernel.plan.registers.motion)
+        self.channel().has_any(self.kernel.plan.registers.motion)
     }
 
     /// Whether a free word of an axis is in the block.
     pub(crate) fn has_axis_word(&self) -> bool {
-        let axes = self.state.place.layout.axes.iter().fold(0, |bits, axis| bits | self.registers_of(axis.data));
-        self.has_any(axes)
+        let axes =
+            self.channel().state.place.layout.axes.iter().fold(0, |bits, axis| bits | self.registers_of(axis.data));
+        self.channel().has_any(axes)
     }
 
     /// Registers of corners and of directions of lines.
@@ -136,16 +147,6 @@ impl Act<'_, '_> {
     /// Reports which of the data that an action could have used have rows that are all switched off.
     pub(crate) fn report_switched_off(&mut self, ids: &[DataId]) {
         self.kernel.report_switched_off(ids);
-    }
-
-    /// Letter and value of a code as written.
-    pub(crate) fn written(&self, row: &CodeRow, code: &PendingCode) -> (char, f64) {
-        self.kernel.written(row, *code)
-    }
-
-    /// The spindle of the channel, which is stopped, for messages.
-    pub(crate) fn stopped_spindle(&self) -> String {
-        self.kernel.stopped_spindle()
     }
 
     /// Text of the block, for messages: at most 60 characters.
@@ -266,7 +267,10 @@ impl Act<'_, '_> {
 
     /// Records that the time of a block of this many seconds, which begins now, uses the spindle speed known now.
     pub(crate) fn assume_speed(&mut self, seconds: f64) {
-        self.kernel.assume_speed(seconds);
+        if self.channel().state.spindle.shared && !self.channel().reports.plausible.changed_speed {
+            let (line, begin) = (self.channel().at.line, self.channel().now());
+            self.channel_mut().state.spindle.assume(line, begin, seconds);
+        }
     }
 
     /// Compares the spindle speed during the last revolution-timed move with the speed assumed for it.

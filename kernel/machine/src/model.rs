@@ -19,7 +19,7 @@ use super::ident::{CodeId, DataId, Name};
 use super::index::{AxisId, AxisSlot, CodeRowId, DataRowId, RegisterId, SpindleId, Table};
 use super::macros::environment::MachineEnvironment;
 use super::preprocessor::Preprocessor;
-use super::rows::{CodeRow, DataRow, Overlap, Register};
+use super::rows::{CodeForm, CodeRow, DataRow, Overlap, Register};
 use super::stored::StoredFile;
 use super::tables::Tables;
 use counterpoint_event::Unit;
@@ -396,6 +396,16 @@ impl Machine {
     #[must_use]
     pub fn code_name(&self, id: CodeId) -> &str {
         &self.code_names[id]
+    }
+
+    /// Letter with which a code is written, `?` for a code without a register.
+    #[must_use]
+    pub fn letter_of(&self, form: &CodeForm) -> char {
+        let register = match form {
+            CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(*register),
+            CodeForm::Text(_) | CodeForm::NotApplicable => None,
+        };
+        register.and_then(|register| self.registers[register].name.chars().next()).unwrap_or('?')
     }
 
     /// Full name of a data identifier.

@@ -16,9 +16,9 @@ pub(crate) const ENTRIES: &[Entry] = &[
 ];
 
 fn limits(act: &mut Act<'_, '_>, high: bool) -> Acted {
-    for axis in act.state.place.layout.axes.ids() {
+    for axis in act.channel().state.place.layout.axes.ids() {
         let Some(datum) = act.take_axis(axis).filter(|datum| datum.value.is_finite()) else { continue };
-        if let Some(side) = act.work_area().side(axis, high) {
+        if let Some(side) = act.channel_mut().work_area().side(axis, high) {
             side.limit = Some(datum.value);
         }
     }
@@ -31,8 +31,8 @@ fn limits(act: &mut Act<'_, '_>, high: bool) -> Acted {
 
 fn switch(act: &mut Act<'_, '_>, off: bool) -> Acted {
     // Without limits it is on.
-    if off || act.state.others.area.is_some() {
-        act.work_area().off = off;
+    if off || act.channel().state.others.area.is_some() {
+        act.channel_mut().work_area().off = off;
     }
     Ok(())
 }

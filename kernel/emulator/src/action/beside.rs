@@ -9,8 +9,8 @@ use counterpoint_machine::ident::codes;
 pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::AXES_BESIDE], |act, _, _| arrive(act))];
 
 fn arrive(act: &mut Act<'_, '_>) -> Acted {
-    let Some(beside) = act.state.others.beside.take() else { return Ok(()) };
-    match act.move_beside(&beside) {
+    let Some(beside) = act.channel_mut().state.others.beside.take() else { return Ok(()) };
+    match act.channel().move_beside(&beside) {
         Some(motion) => act.travel(beside.seconds, &motion),
         None => Ok(()),
     }

@@ -18,8 +18,9 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 /// To the change position.
 pub(super) fn go(act: &mut Act<'_, '_>) -> Acted {
-    act.state.others.before_change = Some(act.machine_point(&act.state.place.position));
-    if act.env.machine.habits.home == Home::Machine {
+    act.channel_mut().state.others.before_change =
+        Some(act.channel().machine_point(&act.channel().state.place.position));
+    if act.channel().env.machine.habits.home == Home::Machine {
         let (coded, target) = super::home::machine_targets(act);
         return if coded == 0 { to_point(act, 0) } else { act.rapid_to(coded, target) };
     }
@@ -32,16 +33,17 @@ pub(super) fn go(act: &mut Act<'_, '_>) -> Acted {
 
 /// Before a tool is loaded.
 pub(super) fn before_load(act: &mut Act<'_, '_>) -> Acted {
-    act.state.others.before_change = Some(act.machine_point(&act.state.place.position));
+    act.channel_mut().state.others.before_change =
+        Some(act.channel().machine_point(&act.channel().state.place.position));
     to_point(act, 0)
 }
 
 /// `coded` 0 = all axes that have a position.
 fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
-    let mut target = act.machine_point(&act.state.place.position);
+    let mut target = act.channel().machine_point(&act.channel().state.place.position);
     let (mut moving, mut missing) = (0_u8, false);
-    let point = &act.env.machine.tool.change_point;
-    for (at, (slot, axis)) in target.iter_mut().zip(&act.state.place.layout.axes).enumerate() {
+    let point = &act.channel().env.machine.tool.change_point;
+    for (at, (slot, axis)) in target.iter_mut().zip(&act.channel().state.place.layout.axes).enumerate() {
         if coded != 0 && coded & 1 << at == 0 {
             continue;
         }
@@ -53,7 +55,7 @@ fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
             None => missing |= coded != 0,
         }
     }
-    let target = act.way_of_machine(&target);
+    let target = act.channel().way_of_machine(&target);
     if missing || moving == 0 {
         let text = format!("no tool-change position is defined for every axis of '{}'", act.block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
@@ -64,15 +66,22 @@ fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
 /// Back: to the programmed point, or to where the axes were.
 pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
-    let before = act.state.others.before_change.take();
+    let before = act.channel_mut().state.others.before_change.take();
     if coded != 0 {
         return act.rapid_to(coded, target);
     }
     match before {
         Some(before) => {
-            let before = act.way_of_machine(&before);
-            let moved =
-                act.state.place.position.iter().zip(&before).take(act.state.place.layout.axes.len()).enumerate();
+            let before = act.channel().way_of_machine(&before);
+            let moved = act
+                .channel()
+                .state
+                .place
+                .position
+                .iter()
+                .zip(&before)
+                .take(act.channel().state.place.layout.axes.len())
+                .enumerate();
             let moving = moved.filter(|(_, (now, then))| now != then).fold(0, |bits, (at, _)| bits | 1_u8 << at);
             act.rapid_to(moving, before)
         }

@@ -20,9 +20,9 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 /// Clamps an axis or lets it go.
 pub(super) fn clamp(act: &mut Act<'_, '_>, id: DataId, on: bool) -> Acted {
-    let Some(axis) = act.axis_of_data(id) else { return no_axis(act, id) };
-    act.set_clamp(axis, on);
-    let text = format!("{} {}", if on { "clamp" } else { "unclamp" }, act.axis_name(axis));
+    let Some(axis) = act.channel().axis_of_data(id) else { return no_axis(act, id) };
+    act.channel_mut().set_clamp(axis, on);
+    let text = format!("{} {}", if on { "clamp" } else { "unclamp" }, act.channel().axis_name(axis));
     act.emit(0, Kind::mode(text));
     Ok(())
 }
@@ -30,14 +30,14 @@ pub(super) fn clamp(act: &mut Act<'_, '_>, id: DataId, on: bool) -> Acted {
 /// Takes whole turns off one rotary axis, or off all.
 pub(super) fn unwind(act: &mut Act<'_, '_>, id: Option<DataId>) -> Acted {
     let Some(id) = id else {
-        for axis in act.state.place.layout.axes.ids() {
-            if act.state.place.layout.axes[axis].rotary {
+        for axis in act.channel().state.place.layout.axes.ids() {
+            if act.channel().state.place.layout.axes[axis].rotary {
                 act.unwind_axis(axis, Modulo::Normal);
             }
         }
         return Ok(());
     };
-    match act.axis_of_data(id).filter(|axis| act.state.place.layout.axes[*axis].rotary) {
+    match act.channel().axis_of_data(id).filter(|axis| act.channel().state.place.layout.axes[*axis].rotary) {
         Some(axis) => act.unwind_axis(axis, Modulo::Normal),
         None => return no_axis(act, id),
     }
@@ -47,8 +47,8 @@ pub(super) fn unwind(act: &mut Act<'_, '_>, id: Option<DataId>) -> Acted {
 fn no_axis(act: &mut Act<'_, '_>, id: DataId) -> Acted {
     let text = format!(
         "channel {} has no axis of {} for '{}'",
-        act.at.channel,
-        act.env.machine.data_name(id),
+        act.channel().at.channel,
+        act.channel().env.machine.data_name(id),
         act.block_text()
     );
     act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);

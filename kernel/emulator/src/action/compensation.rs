@@ -26,7 +26,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// An extended work offset: its register, in a range if the control has several.
 pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
     let range = whole(act, data::COMP_EXTFIXT_RANGE);
-    let first = act.env.machine.habits.first_extended.then_some(1);
+    let first = act.channel().env.machine.habits.first_extended.then_some(1);
     let Some(register) = whole(act, data::COMP_EXTFIXT_REG).or(first) else {
         let text = format!("an extended work offset needs its number in '{}'", act.block_text());
         act.diagnose(&counterpoint_fault::DATA_MISSING, text);
@@ -34,7 +34,7 @@ pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
     };
     let number = number_of(range.unwrap_or(1), register);
     act.missing_work_offset(number);
-    let before = std::mem::replace(&mut act.state.place.in_force.work_offset, number);
+    let before = std::mem::replace(&mut act.channel_mut().state.place.in_force.work_offset, number);
     super::local::exchange_shifts(act, before, number);
     let text = match range {
         Some(range) => format!("comp extfixt n={range},{register}"),
@@ -51,19 +51,22 @@ fn whole(act: &mut Act<'_, '_>, id: DataId) -> Option<u32> {
 
 /// Dynamic fixture compensation.
 pub(super) fn dynamic(act: &mut Act<'_, '_>, on: bool) -> Acted {
-    act.state.place.compensation.dynamic = on;
+    act.channel_mut().state.place.compensation.dynamic = on;
     super::mode::mode(act, if on { "comp dynfix on" } else { "comp dynfix off" })
 }
 
 /// Corners of compensated paths.
 pub(super) fn corner(act: &mut Act<'_, '_>, arc: bool) -> Acted {
-    act.state.place.compensation.corner = if arc { 2 } else { 1 };
+    act.channel_mut().state.place.compensation.corner = if arc { 2 } else { 1 };
     super::mode::mode(act, if arc { "comp corner arc" } else { "comp corner linear" })
 }
 
 /// The outside corner after the pending move is an arc.
 fn round(act: &mut Act<'_, '_>) -> Acted {
-    let last = act.cutter().and_then(|cutter| cutter.waiting.iter_mut().rev().find(|waits| waits.element.is_some()));
+    let last = act
+        .channel_mut()
+        .cutter()
+        .and_then(|cutter| cutter.waiting.iter_mut().rev().find(|waits| waits.element.is_some()));
     if let Some(waits) = last {
         waits.end = ContourEnd::Round;
     }
@@ -74,11 +77,11 @@ fn round(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn vector(act: &mut Act<'_, '_>) -> Acted {
     take_diameter(act);
     let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| act.take(id).map(|d| d.value));
-    for (slot, word) in act.state.place.compensation.vector.iter_mut().zip(words) {
+    for (slot, word) in act.channel_mut().state.place.compensation.vector.iter_mut().zip(words) {
         *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
     }
-    let direction = act.state.place.compensation.vector.map(wildcard_text).join(",");
-    let number = act.state.remembered.diameter();
+    let direction = act.channel().state.place.compensation.vector.map(wildcard_text).join(",");
+    let number = act.channel().state.remembered.diameter();
     let text = format!("comp diam vector n={number} pqr={direction}");
     super::cutter::switched(act, codes::COMP_3D_VECTOR)?;
     act.emit(0, Kind::compensation(text, OffsetKind::Diameter, f64::from(number)));
@@ -89,7 +92,7 @@ pub(super) fn vector(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn take_diameter(act: &mut Act<'_, '_>) -> Option<f64> {
     let number = act.take(data::COMP_DIAM).map(|datum| datum.value);
     if let Some(number) = number.filter(|number| (0.0..=999_999.0).contains(number)) {
-        act.state.remembered.remember(data::COMP_DIAM, number);
+        act.channel_mut().state.remembered.remember(data::COMP_DIAM, number);
     }
     number
 }

@@ -26,7 +26,7 @@ pub(super) fn switch(act: &mut Act<'_, '_>, switch: Switch) -> Acted {
         Switch::Fluid(flow, outlet) => flows(act, flow, outlet),
         Switch::Device(number, on) => report(act, Coolant { on, fluid: 0, outlet: Outlet::Device(number) }),
         Switch::Level(level) => {
-            let pressure = act.env.machine.pump.pressures.get(usize::from(level)).copied();
+            let pressure = act.channel().env.machine.pump.pressures.get(usize::from(level)).copied();
             set_pressure(act, pressure.unwrap_or(f64::from(level)));
         }
         Switch::Pressure => match act.take(data::COOLANT_PRESSURE).map(|d| d.value) {
@@ -43,16 +43,16 @@ pub(super) fn switch(act: &mut Act<'_, '_>, switch: Switch) -> Acted {
 /// The coolant that a spindle code brings along: its group follows.
 pub(super) fn with_spindle(act: &mut Act<'_, '_>, on: bool) {
     let code = if on { codes::COOLANT_ON } else { codes::COOLANT_OFF };
-    act.state.modal.activate(group::COOLANT, code, None);
+    act.channel_mut().state.modal.activate(group::COOLANT, code, None);
     flows(act, if on { Flow::Again } else { Flow::Off }, Outlet::Main);
 }
 
 fn flows(act: &mut Act<'_, '_>, flow: Flow, outlet: Outlet) {
     let fluid = match flow {
         Flow::Off => 0,
-        Flow::Again => act.state.others.coolant.last.get(head(outlet)).copied().unwrap_or(1),
+        Flow::Again => act.channel().state.others.coolant.last.get(head(outlet)).copied().unwrap_or(1),
         Flow::Fluid(fluid) => {
-            act.note_coolant(fluid, outlet);
+            act.channel_mut().note_coolant(fluid, outlet);
             fluid
         }
     };
@@ -64,7 +64,7 @@ fn report(act: &mut Act<'_, '_>, coolant: Coolant) {
 }
 
 fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
-    let largest = act.state.others.coolant.largest(&act.env.machine.pump);
+    let largest = act.channel().state.others.coolant.largest(&act.channel().env.machine.pump);
     let most = if largest > 0.0 { largest } else { f64::INFINITY };
     let pressure = wanted.max(0.0).min(most);
     if pressure != wanted {
@@ -76,7 +76,7 @@ fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
         );
         act.diagnose(&diag::COOLANT_PRESSURE, text);
     }
-    let state = &mut act.state.others.coolant;
+    let state = &mut act.channel_mut().state.others.coolant;
     (state.pressure, state.pump) = (pressure, Some(pressure > 0.0));
     act.emit(0, Kind::mode(format!("coolant pressure p={}", wildcard_text(pressure))));
 }

@@ -26,6 +26,6 @@ pub(crate) const ENTRIES: &[Entry] = &[
 ];
 
 fn ends(act: &mut Act<'_, '_>, end: ContourEnd) -> Acted {
-    act.block.flags.end = end;
+    act.channel_mut().block.flags.end = end;
     Ok(())
 }

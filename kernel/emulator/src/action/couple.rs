@@ -27,7 +27,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 fn on(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
     let named = (number(act, data::COUPLE_MASTER), number(act, data::COUPLE_SLAVE));
     let parking = if kind == Kind::Synchronous { number(act, data::COUPLE_PARKING).unwrap_or(0.0) } else { 0.0 };
-    let machine = act.env.machine;
+    let machine = act.channel().env.machine;
     let pair = coupling::end(machine, 'P', named.0)
         .and_then(|master| Ok((master, coupling::end(machine, 'Q', named.1)?)))
         .and_then(|(master, slave)| coupling::pair(machine, kind, master, slave))
@@ -35,7 +35,7 @@ fn on(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
     let Some(parking) = Parking::of(parking) else {
         return Err(illegal(act, &format!("L{parking} is not 0, 1 or 2")));
     };
-    if pair.of(act.at.channel).is_none() {
+    if pair.of(act.channel().at.channel).is_none() {
         let (one, two) = (pair.master.channel, pair.slave.channel);
         return Err(illegal(act, &format!("the code belongs in the programs of channels {one} and {two}")));
     }
@@ -55,7 +55,7 @@ fn off(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
     let by_pair = kind == Kind::Composite;
     let master = if by_pair { Some(number(act, data::COUPLE_MASTER)) } else { None };
     let slave = number(act, data::COUPLE_SLAVE);
-    let machine = act.env.machine;
+    let machine = act.channel().env.machine;
     let slave = coupling::end(machine, 'Q', slave).map_err(|reason| illegal(act, &reason))?;
     let master = master.map(|number| coupling::end(machine, 'P', number)).transpose();
     let master = master.map_err(|reason| illegal(act, &reason))?;
@@ -63,7 +63,7 @@ fn off(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
         let pair = coupling.pair;
         pair.kind == kind && pair.slave == slave && master.is_none_or(|master| pair.master == master)
     };
-    match act.state.others.couplings.iter().find(is).map(|coupling| coupling.pair) {
+    match act.channel().state.others.couplings.iter().find(is).map(|coupling| coupling.pair) {
         Some(pair) if kind == Kind::Synchronous && act.couples_alone() => act.end_alone(pair),
         Some(pair) => act.end_coupling(pair),
         None => Ok(()),
@@ -77,7 +77,8 @@ fn number(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
 
 /// Whether the channel runs alone, or the machine has no channels that meet.
 fn is_off(act: &Act<'_, '_>) -> bool {
-    act.env.machine.sync.dialect == SyncDialect::None || act.env.options.ignore_waits.contains(&act.at.channel)
+    act.channel().env.machine.sync.dialect == SyncDialect::None
+        || act.channel().env.options.ignore_waits.contains(&act.channel().at.channel)
 }
 
 /// A slave has one master and is none itself, and an axis in composite control has no other part.
@@ -94,10 +95,10 @@ fn check_free(act: &mut Act<'_, '_>, pair: &Pair) -> Acted {
         let other = &coupling.pair;
         !again(other) && !both_lead(other) && (shares(other, pair.master) || shares(other, pair.slave))
     };
-    let Some(other) = act.state.others.couplings.iter().find(clash).map(|coupling| coupling.pair) else {
+    let Some(other) = act.channel().state.others.couplings.iter().find(clash).map(|coupling| coupling.pair) else {
         return Ok(());
     };
-    let machine = act.env.machine;
+    let machine = act.channel().env.machine;
     let (master, slave) = (&machine.axes[other.master.axis].name, &machine.axes[other.slave.axis].name);
     let text = format!(
         "{} axes {master} and {slave} are in {} control already, in '{}'",

@@ -36,7 +36,7 @@ fn on(act: &mut Act<'_, '_>) -> Acted {
 }
 
 fn off(act: &mut Act<'_, '_>) -> Acted {
-    act.state.modal.activate(group::PART_INTERPOLATION, codes::CYLINDER_OFF, None);
+    act.channel_mut().state.modal.activate(group::PART_INTERPOLATION, codes::CYLINDER_OFF, None);
     super::polar::off(act)
 }
 
@@ -44,20 +44,20 @@ fn off(act: &mut Act<'_, '_>) -> Acted {
 /// block or the last one; without a linear axis the block only gives one.
 fn map(act: &mut Act<'_, '_>) -> Acted {
     let radius = act.take(data::CYLINDER_RADIUS).map(|datum| datum.value);
-    let mut named = |id| act.axis_of_data(id).filter(|_| act.take(id).is_some());
+    let mut named = |id| act.channel().axis_of_data(id).filter(|_| act.take(id).is_some());
     let rotary = TURNS_ABOUT.into_iter().find_map(|(id, role)| Some((named(id)?, role)));
     let [x, y, z] = [data::AXIS_X, data::AXIS_Y, data::AXIS_Z].map(|id| named(id).is_some());
     if radius.is_none() && rotary.is_none() && !(x || y || z) {
         return off(act);
     }
     if let Some(radius) = radius.filter(|radius| *radius != 0.0) {
-        act.state.others.cylinder = Some(radius);
+        act.channel_mut().state.others.cylinder = Some(radius);
     }
     if rotary.is_some() && !(x || y || z) {
         return Ok(());
     }
     let known = y && !x && !z && rotary.is_some_and(|(_, role)| role != 1);
-    let Some(radius) = act.state.others.cylinder.filter(|_| known) else {
+    let Some(radius) = act.channel().state.others.cylinder.filter(|_| known) else {
         let text = format!(
             "no cylinder for '{}': only Y is mapped, onto A or C, with a radius of this block or of one before",
             act.block_text()
@@ -71,9 +71,9 @@ fn map(act: &mut Act<'_, '_>) -> Acted {
 
 fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
     super::polar::not_tilted(act)?;
-    let plane = act.state.modal.code(group::PLANE).and_then(plane).map(|plane| [plane.first, plane.second]);
+    let plane = act.channel().state.modal.code(group::PLANE).and_then(plane).map(|plane| [plane.first, plane.second]);
     let found = rotary.filter(|_| radius > 0.0 && radius.is_finite()).and_then(|(axis, role)| {
-        let linear = act.state.place.layout.cartesian.get(role).copied().flatten()?;
+        let linear = act.channel().state.place.layout.cartesian.get(role).copied().flatten()?;
         // Coordinates are those of the plane whose second axis is the linear one, as Y and Z.
         let round_first =
             if cartesian { role == 2 } else { *plane.filter(|roles| roles.contains(&role))?.last()? == role };
@@ -87,8 +87,8 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
         act.diagnose(&diag::NO_CYLINDER, text);
         return Ok(());
     };
-    act.frames().polar = Some(cylinder);
-    act.frames_changed();
+    act.channel_mut().frames().polar = Some(cylinder);
+    act.channel_mut().frames_changed();
     super::cutter::plane_changed(act);
     act.emit(0, Kind::mode(format!("cylinder on r={radius}")));
     Ok(())
@@ -99,22 +99,22 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
 type Given = (f64, Option<(AxisSlot, usize)>, bool);
 
 fn radius(act: &mut Act<'_, '_>) -> Option<Given> {
-    let axes = TURNS_ABOUT.map(|(id, role)| (id, act.axis_of_data(id).map(|axis| (axis, role))));
+    let axes = TURNS_ABOUT.map(|(id, role)| (id, act.channel().axis_of_data(id).map(|axis| (axis, role))));
     if let Some(radius) = act.take(data::CYLINDER_RADIUS) {
         return Some((radius.value, axes.into_iter().find_map(|(_, axis)| axis), true));
     }
     // A word of an angle has no unit of length, but its value is a radius here.
-    let unit = act.unit_factor(Dimension::Length);
+    let unit = act.channel().unit_factor(Dimension::Length);
     let mut named = axes.into_iter().filter(|(_, axis)| axis.is_some());
     named.find_map(|(id, axis)| Some((act.take(id)?.value * unit, axis, false)))
 }
 
 /// Whether the active plane is that of the surface. One whose words are those of its axes began in that plane.
 pub(super) fn in_plane(act: &Act<'_, '_>, polar: &Polar) -> bool {
-    let Some(plane) = act.state.modal.code(group::PLANE).and_then(plane) else { return false };
+    let Some(plane) = act.channel().state.modal.code(group::PLANE).and_then(plane) else { return false };
     let role = |axis: AxisSlot| {
         let y = if axis == polar.rotary { Some(1) } else { None };
-        y.or_else(|| act.state.place.layout.cartesian.iter().position(|own| *own == Some(axis)))
+        y.or_else(|| act.channel().state.place.layout.cartesian.iter().position(|own| *own == Some(axis)))
     };
     !polar.cartesian || polar.axes().map(role) == [Some(plane.first), Some(plane.second)]
 }

@@ -6,7 +6,7 @@ use counterpoint_lang::format::wildcard_text;
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
 use crate::state::plausible::{LONGEST_DWELL, hours};
-use crate::state::spindle::Turning;
+use crate::state::spindle::{Turning, stopped};
 use counterpoint_event::event::{Dwell, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::codes;
@@ -21,7 +21,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// Dwell in seconds.
 pub(super) fn seconds(act: &mut Act<'_, '_>) -> Acted {
     let Some(seconds) = act.take_seconds(data::DELAY) else {
-        if act.env.machine.habits.dwell.bare {
+        if act.channel().env.machine.habits.dwell.bare {
             return super::mode::exact_stop_block(act);
         }
         let text = format!("a dwell needs its time in '{}'", act.block_text());
@@ -44,20 +44,20 @@ pub(super) fn revolutions(act: &mut Act<'_, '_>) -> Acted {
 impl Act<'_, '_> {
     /// Takes a time, seconds. On some controls a decimal point makes seconds of a word in thousandths.
     pub(super) fn take_seconds(&mut self, id: DataId) -> Option<f64> {
-        let pointed = self.env.machine.habits.dwell.pointed && self.is_pointed(id);
+        let pointed = self.channel().env.machine.habits.dwell.pointed && self.is_pointed(id);
         self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
     }
 
     /// Takes a factor. On some controls a decimal point makes it the factor itself.
     pub(super) fn take_factor(&mut self, id: DataId) -> Option<f64> {
-        let pointed = self.env.machine.habits.pointed_factors && self.is_pointed(id);
+        let pointed = self.channel().env.machine.habits.pointed_factors && self.is_pointed(id);
         self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
     }
 
     /// Whether the word that supplies a value counts thousandths or less and has a decimal point.
     fn is_pointed(&self, id: DataId) -> bool {
         let sources = self.sources(id).iter();
-        let found = sources.filter_map(|source| Some((source.mul, self.block.look(source.register)?))).next();
+        let found = sources.filter_map(|source| Some((source.mul, self.channel().block.look(source.register)?))).next();
         let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() <= 0.001) else { return false };
         let text = self.word_bytes(&word);
         // A point within an expression is not a written point.
@@ -68,9 +68,9 @@ impl Act<'_, '_> {
 fn turns(act: &mut Act<'_, '_>, revolutions: f64) -> Acted {
     let minutes = match act.speed_from_now()? {
         Some(Turning::Driven(driven, elapsed)) => driven.minutes_of(elapsed, revolutions),
-        Some(turning) => revolutions / turning.rpm(act.radius(&act.state.place.position)),
+        Some(turning) => revolutions / turning.rpm(act.channel().radius(&act.channel().state.place.position)),
         None => {
-            let text = format!("{} in the dwell in revolutions '{}'", act.stopped_spindle(), act.block_text());
+            let text = format!("{} in the dwell in revolutions '{}'", stopped(act.channel()), act.block_text());
             act.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(());
         }
@@ -97,13 +97,13 @@ fn dwell(act: &mut Act<'_, '_>, seconds: f64) -> Acted {
         act.diagnose(&diag::DWELL_NOT_POSITIVE, text);
         return Ok(());
     }
-    if seconds > LONGEST_DWELL && !std::mem::replace(&mut act.reports.plausible.dwell, true) {
+    if seconds > LONGEST_DWELL && !std::mem::replace(&mut act.channel_mut().reports.plausible.dwell, true) {
         let text = format!("a dwell of {} in '{}': check the unit of its time", hours(seconds), act.block_text());
         act.diagnose(&diag::LONG_DWELL, text);
     }
     let ns = crate::state::channel::nanoseconds(seconds);
     act.emit(ns, Kind::Dwell(Dwell));
-    act.advance(ns);
+    act.channel_mut().advance(ns);
     act.note_dwell(ns);
     Ok(())
 }

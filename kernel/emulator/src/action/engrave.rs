@@ -47,13 +47,13 @@ fn engrave(act: &mut Act<'_, '_>) -> Acted {
     if let Some(letter) = lettering::unknown(&text) {
         return refuse(act, &format!("there is no letter for '{letter}'"));
     }
-    if act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE) {
+    if act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE) {
         return refuse(act, "incremental positions (G91) are not emulated, give absolute ones (G90)");
     }
     if !(height > 0.0 && height.is_finite()) {
         return refuse(act, &format!("the height {height} of the letters must be above 0"));
     }
-    let layout = &act.state.place.layout;
+    let layout = &act.channel().state.place.layout;
     let axis = |role: usize| layout.cartesian.get(role).copied().flatten();
     let (Some(x), Some(y), Some(z)) = (axis(0), axis(1), axis(2)) else {
         return refuse(act, "the machine has no axes X, Y and Z");
@@ -62,7 +62,7 @@ fn engrave(act: &mut Act<'_, '_>) -> Acted {
         return refuse(act, "the depth Z is missing");
     }
     let (sin, cos) = (libm::sin(angle.to_radians()), libm::cos(angle.to_radians()));
-    let clear = clear.unwrap_or_else(|| act.programmed().at(z));
+    let clear = clear.unwrap_or_else(|| act.channel().programmed().at(z));
     let lie = Lie { axes: [x, y, z], begin: target, along: [height * cos, height * sin], depth: target.at(z), clear };
     if lie.clear <= lie.depth {
         return refuse(act, &format!("the return plane {} is not above the depth {}", lie.clear, lie.depth));
@@ -133,7 +133,7 @@ fn cut(
         *place.at_mut(z) = height;
         place
     };
-    let mut over = at(act.programmed().at(z), [0.0; 2]);
+    let mut over = at(act.channel().programmed().at(z), [0.0; 2]);
     act.rapid_to_point(flat, over)?;
     *over.at_mut(z) = lie.clear;
     act.rapid_to_point(z.bit(), over)?;

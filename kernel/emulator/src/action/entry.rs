@@ -5,9 +5,7 @@
 use counterpoint_fault::Acted;
 
 use super::{cutter, cycle};
-use crate::act::Act;
-use crate::channel::Kernel;
-use crate::channel::actions::Action;
+use crate::act::{Act, CodeAction};
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::rows::CodeRow;
@@ -80,14 +78,13 @@ impl Entry {
     }
 }
 
-impl Action for Entry {
+impl CodeAction for Entry {
     #[inline]
-    fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
-        let act = &mut Act::new(kernel);
-        if act.state.cycle.running && self.moves && !code.modal {
+    fn execute(&self, act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+        if act.channel().state.cycle.running && self.moves && !code.modal {
             cycle::meets_motion(act)?;
         }
-        if act.state.place.frames.is_some() {
+        if act.channel().state.place.frames.is_some() {
             cutter::before(act, self.contour, row.id)?;
         }
         if self.moves && self.contour == Contour::Follows && cutter::has_words(act, row.id) {

@@ -24,8 +24,8 @@ const EDGE: u16 = 149;
 /// The share of the feed that moves down keep to; without one they have the feed.
 fn down(act: &mut Act<'_, '_>) -> Acted {
     let share = act.take(data::DOWN_FEED).map(|datum| datum.value / 100.0).filter(|share| *share > 0.0);
-    act.frames().feeds.down = share;
-    act.frames_changed();
+    act.channel_mut().frames().feeds.down = share;
+    act.channel_mut().frames_changed();
     let text = match share {
         Some(share) => format!("feed down {}%", counterpoint_lang::format::wildcard_text(share * 100.0)),
         None => "feed down off".to_owned(),
@@ -36,8 +36,8 @@ fn down(act: &mut Act<'_, '_>) -> Acted {
 
 /// The feed of rotary axes is a length or an angle.
 fn rotary(act: &mut Act<'_, '_>, length: bool) -> Acted {
-    act.frames().feeds.rotary_length = length;
-    act.frames_changed();
+    act.channel_mut().frames().feeds.rotary_length = length;
+    act.channel_mut().frames_changed();
     super::mode::mode(act, if length { "feed rotary length" } else { "feed rotary angle" })
 }
 
@@ -45,14 +45,14 @@ impl Act<'_, '_> {
     /// Feed of a move in the work frame, along which the feed counts a length: one that goes down keeps to its share.
     #[cold]
     pub(super) fn feed_down(&self, feed: Option<f64>, unit: FeedUnit, changes: &Position, length: f64) -> Option<f64> {
-        let share = self.state.place.frames.as_deref().and_then(|frames| frames.feeds.down);
+        let share = self.channel().state.place.frames.as_deref().and_then(|frames| frames.feeds.down);
         let (Some(share), Some(full)) = (share, feed) else { return feed };
-        let role = match self.state.modal.code(group::PLANE) {
+        let role = match self.channel().state.modal.code(group::PLANE) {
             Some(codes::PLANE_ZX) => 1,
             Some(codes::PLANE_YZ) => 0,
             _ => 2,
         };
-        let tool = self.state.place.layout.cartesian.get(role).copied().flatten();
+        let tool = self.channel().state.place.layout.cartesian.get(role).copied().flatten();
         let way = tool.map_or(0.0, |axis| -changes.at(axis));
         if !matches!(unit, FeedUnit::PerMinute | FeedUnit::PerRevolution) || way <= 0.0 {
             return feed;
@@ -65,7 +65,7 @@ impl Act<'_, '_> {
     /// Feed of the middle of the tool beside an arc; `times`: how many times as large as that of the contour its radius
     /// is.
     pub(super) fn edge_feed(&self, feed: Option<f64>, unit: FeedUnit, times: f64) -> Option<f64> {
-        let counts = match self.state.modal.code(EDGE) {
+        let counts = match self.channel().state.modal.code(EDGE) {
             Some(codes::FEED_AT_EDGE) => true,
             Some(codes::FEED_AT_EDGE_INSIDE) => times < 1.0,
             _ => false,

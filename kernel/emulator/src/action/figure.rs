@@ -42,7 +42,7 @@ fn shift(act: &mut Act<'_, '_>) -> Acted {
 fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> Point {
     let mut taken = [0.0; 3];
     for (role, (slot, id)) in taken.iter_mut().zip(ids).enumerate() {
-        let scale = act.state.place.scale_of(role);
+        let scale = act.channel().state.place.scale_of(role);
         *slot = act.take(id).map_or(0.0, |datum| datum.value * scale);
     }
     taken
@@ -53,7 +53,7 @@ fn missing(act: &mut Act<'_, '_>, what: &str) -> Acted {
     act.diagnose(&diag::DATA_MISSING, text);
     act.take(data::CALSUB_ID);
     act.take(data::CALSUB_REPEAT);
-    act.check_stop()
+    act.channel().check_stop()
 }
 
 fn call(act: &mut Act<'_, '_>, copy: Copy) -> Acted {
@@ -64,7 +64,7 @@ fn call(act: &mut Act<'_, '_>, copy: Copy) -> Acted {
         return Err(act.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
     act.flush_lookahead()?;
-    let base = act.state.place.frames.as_deref().map_or_else(Local::default, |frames| frames.local.clone());
+    let base = act.channel().state.place.frames.as_deref().map_or_else(Local::default, |frames| frames.local.clone());
     let passes = repeat.map_or(1, |count| act.passes(count)).max(1);
     act.call_figure(program as u32, passes, Box::new(Figure { copy, made: 0, base }));
     Ok(())
@@ -90,22 +90,22 @@ fn part(act: &Act<'_, '_>, figure: &Figure) -> Option<(Part, Programmed)> {
 /// The frame of the next copy (`on`), or the frame before all copies.
 pub(super) fn put(act: &mut Act<'_, '_>, figure: &Figure, on: bool) -> Acted {
     act.flush_lookahead()?;
-    let levels = act.cycle_levels();
-    let before = act.counts_from();
+    let levels = act.channel_mut().cycle_levels();
+    let before = act.channel().counts_from();
     let mirrored = cutter::mirror::is_mirrored(act);
     let mut local = figure.base.clone();
-    let has = act.state.place.has_axes();
+    let has = act.channel().state.place.has_axes();
     if on
         && let Some((part, given)) = part(act, figure)
         && let Err(refused) = local.add(part, given, has)
     {
         super::local::refuse(act, refused);
     }
-    act.frames().local = local;
-    act.frames_changed();
+    act.channel_mut().frames().local = local;
+    act.channel_mut().frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
-    act.keep_ways(before);
-    act.keep_levels(levels);
+    act.channel_mut().keep_ways(before);
+    act.channel_mut().keep_levels(levels);
     let text = act.frame_text();
     act.emit(0, counterpoint_event::event::Kind::mode(text));
     Ok(())

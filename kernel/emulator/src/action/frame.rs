@@ -29,50 +29,51 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// any frame.
 pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
     // The mode that the block says, wherever it says so, otherwise the active one.
-    let code = |pending: &PendingCode| Some(&act.env.machine.codes[pending.row]).filter(|row| row.enable);
-    let rows = act.block.pending.iter().rev().filter_map(code);
+    let code = |pending: &PendingCode| Some(&act.channel().env.machine.codes[pending.row]).filter(|row| row.enable);
+    let rows = act.channel().block.pending.iter().rev().filter_map(code);
     let said = rows.filter(|row| row.group == group::POSITION).map(|row| row.id).next();
-    let mode = said.or_else(|| act.state.modal.code(group::POSITION));
+    let mode = said.or_else(|| act.channel().state.modal.code(group::POSITION));
     if mode == Some(codes::POSITION_RELATIVE) {
         let text = format!("machine coordinates are ignored in incremental mode in '{}'", act.block_text());
         act.diagnose(&diag::MACHINE_INCREMENTAL, text);
         return Ok(());
     }
-    let axes = act.state.place.layout.axes.entries();
-    let named = axes.filter(|(_, axis)| act.has_any(act.registers_of(axis.data)));
+    let axes = act.channel().state.place.layout.axes.entries();
+    let named = axes.filter(|(_, axis)| act.channel().has_any(act.registers_of(axis.data)));
     let named = named.fold(0, |slots, (slot, _)| slots | slot.bit());
     in_machine_frame(act, named);
-    if !act.state.others.couplings.is_empty() {
+    if !act.channel().state.others.couplings.is_empty() {
         act.added_to(named, "PS0364 machine coordinates of an axis to which moves are added")?;
     }
-    act.block.flags.machine_frame = true;
+    act.channel_mut().block.flags.machine_frame = true;
     Ok(())
 }
 
 /// The position of the axes gets the programmed values.
 pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
-    if act.tilted().is_some() {
+    if act.channel().tilted().is_some() {
         let text = format!("a preset is not possible in a tilted plane, '{}' sets nothing", act.block_text());
         return Err(act.alarm(&diag::FRAME_REFUSED, text));
     }
-    if act.env.machine.habits.preset_ends_shift && act.state.place.frames.is_some() {
-        let axes = act.state.place.layout.axes.entries();
-        let named = axes.filter(|(_, axis)| act.has_any(act.registers_of(axis.data)));
+    if act.channel().env.machine.habits.preset_ends_shift && act.channel().state.place.frames.is_some() {
+        let axes = act.channel().state.place.layout.axes.entries();
+        let named = axes.filter(|(_, axis)| act.channel().has_any(act.registers_of(axis.data)));
         let named = named.fold(0, |slots, (slot, _)| slots | slot.bit());
         super::local::end_shift(act, named);
     }
     // Nothing turns: words are positions, also of axes whose words are angles.
-    let angles = std::mem::take(&mut act.state.place.layout.angles);
+    let angles = std::mem::take(&mut act.channel_mut().state.place.layout.angles);
     let (coded, target) = act.without_polar_words(Act::targets);
-    act.state.place.layout.angles = angles;
+    act.channel_mut().state.place.layout.angles = angles;
     if coded == 0 {
         return Ok(());
     }
-    let turned = act.state.place.frames.is_some();
-    let stands = act.contour();
+    let turned = act.channel().state.place.frames.is_some();
+    let stands = act.channel().contour();
     for (index, value) in target.iter().enumerate() {
         if (turned || coded & (1 << index) != 0)
-            && let (Some(preset), Some(position)) = (act.state.place.preset.get_mut(index), stands.get(index))
+            && let (Some(preset), Some(position)) =
+                (act.channel_mut().state.place.preset.get_mut(index), stands.get(index))
         {
             *preset += position - value;
         }
@@ -84,11 +85,11 @@ pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
 /// Ends presets and the local shift of the axes that the block names.
 fn preset_off(act: &mut Act<'_, '_>) -> Acted {
     let mut coded = 0_u8;
-    for slot in act.state.place.layout.axes.ids() {
-        let id = act.state.place.layout.axes[slot].data;
+    for slot in act.channel().state.place.layout.axes.ids() {
+        let id = act.channel().state.place.layout.axes[slot].data;
         if act.take(id).is_some() {
             coded |= slot.bit();
-            *act.state.place.preset.at_mut(slot) = 0.0;
+            *act.channel_mut().state.place.preset.at_mut(slot) = 0.0;
         }
     }
     super::local::end_shift(act, coded);
@@ -102,7 +103,7 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
     let number = act.take(data::COMP_WORKP).map_or(1.0, |d| d.value);
     let number = if (1.0..=999.0).contains(&number) { number as u32 } else { 0 };
     act.missing_work_offset(number);
-    let before = std::mem::replace(&mut act.state.place.in_force.work_offset, number);
+    let before = std::mem::replace(&mut act.channel_mut().state.place.in_force.work_offset, number);
     super::local::exchange_shifts(act, before, number);
     act.emit(0, Kind::mode(format!("comp workp n={number}")));
     act.reframe();
@@ -111,7 +112,7 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
 
 /// Cancels work offsets.
 pub(super) fn work_offset_off(act: &mut Act<'_, '_>) -> Acted {
-    act.state.place.in_force.work_offset = 0;
+    act.channel_mut().state.place.in_force.work_offset = 0;
     act.emit(0, Kind::mode("comp workp off"));
     act.reframe();
     Ok(())
@@ -121,7 +122,7 @@ pub(super) fn work_offset_off(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
     let asks = sign != 0.0 || act.block_has(data::COMP_LENGTH);
     let number = if asks { act.take(data::COMP_LENGTH).map(|d| d.value) } else { None };
-    let ends_tip = sign == 0.0 && act.tip().is_some_and(|tip| tip.with_length);
+    let ends_tip = sign == 0.0 && act.channel().tip().is_some_and(|tip| tip.with_length);
     if ends_tip {
         super::tip::off(act)?;
     }
@@ -130,9 +131,9 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
         Kind::mode("comp length off")
     } else {
         let number = number.filter(|n| (0.0..=999_999.0).contains(n)).map(|number| number as u32);
-        let number = number.unwrap_or(act.state.place.in_force.length_number);
+        let number = number.unwrap_or(act.channel().state.place.in_force.length_number);
         put_length(act, sign, number);
-        act.state.place.compensation.set = set;
+        act.channel_mut().state.place.compensation.set = set;
         let text = match set {
             1 => format!("comp length n={number}"),
             _ => format!("comp length n={number} set={set}"),
@@ -159,14 +160,15 @@ impl Act<'_, '_> {
     /// Reports a work offset that has no values, if the machine or its table of tools gives values to other work
     /// offsets. Otherwise all are at the part zero, as G54 is.
     pub(super) fn missing_work_offset(&mut self, number: u32) {
-        let offsets = &self.env.machine.work_offsets;
-        let is_given = |(axis, value): (AxisId, &f64)| *value != self.env.machine.axes[axis].positioning.part_zero;
+        let offsets = &self.channel().env.machine.work_offsets;
+        let is_given =
+            |(axis, value): (AxisId, &f64)| *value != self.channel().env.machine.axes[axis].positioning.part_zero;
         let known = offsets.iter().any(|values| values.entries().any(is_given));
-        let set = self.state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));
+        let set = self.channel().state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));
         if known && number as usize > offsets.len() && !set {
             let text = format!(
                 "work offset {number} has no values in machine {}; the part zero of the machine is used",
-                self.env.machine.name
+                self.channel().env.machine.name
             );
             self.diagnose(&diag::NO_OFFSET, text);
         }

@@ -29,7 +29,7 @@ pub(super) fn load(act: &mut Act<'_, '_>, number: Option<u32>) -> Acted {
         act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
-    act.state.others.head = id;
+    act.channel_mut().state.others.head = id;
     act.head_event(2.0, id)
 }
 

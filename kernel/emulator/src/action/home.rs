@@ -33,12 +33,12 @@ const AT_REFERENCE: f64 = 0.001;
 
 /// To reference point `number` (1 = home) via the programmed point; only coded axes move.
 pub(super) fn go(act: &mut Act<'_, '_>, number: usize) -> Acted {
-    if act.env.machine.habits.home == Home::Machine {
+    if act.channel().env.machine.habits.home == Home::Machine {
         return straight(act, number);
     }
     let (mut coded, via) = act.targets();
     if coded == 0 {
-        if !act.env.machine.habits.bare_home {
+        if !act.channel().env.machine.habits.bare_home {
             return Ok(());
         }
         coded = with_reference(act, number);
@@ -46,7 +46,7 @@ pub(super) fn go(act: &mut Act<'_, '_>, number: usize) -> Acted {
     act.added_to(coded, "PS0363 return to the reference point of an axis to which moves are added")?;
     act.trace(ACTION, |channel| trace::action(&home_text(channel, coded, number)));
     check_reference(act, coded, number)?;
-    act.state.place.home_via = Some(via);
+    act.channel_mut().state.place.home_via = Some(via);
     act.rapid_to(coded, via)?;
     to_reference(act, coded, number)
 }
@@ -63,7 +63,7 @@ fn reference(axis: &Axis, number: usize) -> Option<f64> {
 /// Reports a reference point that the machine does not have for all axes that go there.
 fn check_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
     let lacks = |axis: &Axis| reference(axis, number).is_none();
-    if act.state.place.layout.axes.entries().any(|(slot, axis)| coded & slot.bit() != 0 && lacks(axis)) {
+    if act.channel().state.place.layout.axes.entries().any(|(slot, axis)| coded & slot.bit() != 0 && lacks(axis)) {
         let name = if number == FLOATING {
             "the floating reference point".into()
         } else {
@@ -72,12 +72,12 @@ fn check_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
         let text = format!("{name} is not defined for every axis of '{}'", act.block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
     }
-    act.check_stop()
+    act.channel().check_stop()
 }
 
 /// Straight to the point of the machine frame that the block gives, without words to the reference point.
 fn straight(act: &mut Act<'_, '_>, number: usize) -> Acted {
-    act.state.place.home_via = Some(act.state.place.position);
+    act.channel_mut().state.place.home_via = Some(act.channel().state.place.position);
     let (coded, target) = machine_targets(act);
     if coded != 0 {
         return act.rapid_to(coded, target);
@@ -89,32 +89,32 @@ fn straight(act: &mut Act<'_, '_>, number: usize) -> Acted {
 
 /// All axes of the channel, bit by axis.
 fn every_axis(act: &Act<'_, '_>) -> u8 {
-    act.state.place.layout.axes.ids().fold(0, |bits, slot| bits | slot.bit())
+    act.channel().state.place.layout.axes.ids().fold(0, |bits, slot| bits | slot.bit())
 }
 
 /// The axes that have the point; all axes if none has it, so that this is reported.
 fn with_reference(act: &Act<'_, '_>, number: usize) -> u8 {
-    let axes = act.state.place.layout.axes.entries().filter(|(_, axis)| reference(axis, number).is_some());
+    let axes = act.channel().state.place.layout.axes.entries().filter(|(_, axis)| reference(axis, number).is_some());
     let found = axes.fold(0, |bits, (slot, _)| bits | slot.bit());
     if found == 0 { every_axis(act) } else { found }
 }
 
 /// Takes the axis words as positions of the machine frame.
 pub(super) fn machine_targets(act: &mut Act<'_, '_>) -> (u8, Position) {
-    let before = std::mem::replace(&mut act.block.flags.machine_frame, true);
+    let before = std::mem::replace(&mut act.channel_mut().block.flags.machine_frame, true);
     let taken = act.targets();
-    act.block.flags.machine_frame = before;
+    act.channel_mut().block.flags.machine_frame = before;
     taken
 }
 
 fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
-    let mut target = act.machine_point(&act.state.place.position);
-    for (slot, axis) in act.state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
+    let mut target = act.channel().machine_point(&act.channel().state.place.position);
+    for (slot, axis) in act.channel().state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
         if let Some(point) = reference(axis, number) {
             *target.at_mut(slot) = act.next_to(slot, target.at(slot), point);
         }
     }
-    let target = act.way_of_machine(&target);
+    let target = act.channel().way_of_machine(&target);
     act.rapid_to(coded, target)?;
     super::offset_words::at_reference(act, coded);
     Ok(())
@@ -134,14 +134,14 @@ fn home_text(channel: &Channel<'_>, coded: u8, number: usize) -> String {
 fn check(act: &mut Act<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
     act.rapid_to(coded, target)?;
-    let machine = act.machine_point(&act.state.place.position);
+    let machine = act.channel().machine_point(&act.channel().state.place.position);
     let is_off = |slot: AxisSlot, axis: &Axis| {
         let home = act.next_to(slot, machine.at(slot), axis.home);
         coded & slot.bit() != 0 && (machine.at(slot) - home).abs() > AT_REFERENCE
     };
-    let off = act.state.place.layout.axes.entries().find(|(slot, axis)| is_off(*slot, axis));
+    let off = act.channel().state.place.layout.axes.entries().find(|(slot, axis)| is_off(*slot, axis));
     let Some((slot, home)) = off.map(|(slot, axis)| (slot, axis.home)) else { return Ok(()) };
-    let (name, stands) = (act.axis_name(slot), wildcard_text(machine.at(slot)));
+    let (name, stands) = (act.channel().axis_name(slot), wildcard_text(machine.at(slot)));
     let home = wildcard_text(home);
     let text = format!("{name} is at {stands} after '{}', but its reference point is at {home}", act.block_text());
     Err(act.alarm(&diag::NOT_AT_REFERENCE, text))
@@ -165,9 +165,9 @@ pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
     if coded == 0 {
         return Ok(());
     }
-    match act.state.place.home_via {
+    match act.channel().state.place.home_via {
         Some(via) => {
-            let mut through = act.state.place.position;
+            let mut through = act.channel().state.place.position;
             for (index, (slot, value)) in through.iter_mut().zip(via).enumerate() {
                 if coded & (1 << index) != 0 {
                     *slot = value;

@@ -20,31 +20,31 @@ const HIGHEST: f64 = 99_999.0;
 impl Act<'_, '_> {
     /// Reports a rigid tap whose feed is above the rate of its axis, once in a program.
     pub(super) fn check_tap_rate(&mut self, (feed, unit): (Option<f64>, FeedUnit), axis: AxisSlot) -> Acted {
-        let Some(feed) = feed.filter(|_| !self.reports.plausible.thread) else { return Ok(()) };
+        let Some(feed) = feed.filter(|_| !self.channel().reports.plausible.thread) else { return Ok(()) };
         let asked = match (unit, self.spindle_speed()?) {
             (FeedUnit::PerMinute, _) => feed,
             (FeedUnit::PerRevolution, Some(Turning::Fixed(rpm))) => feed * rpm,
             _ => return Ok(()),
         };
-        let most = self.state.place.layout.axes[axis].rapid * 60.0;
+        let most = self.channel().state.place.layout.axes[axis].rapid * 60.0;
         if asked <= most * EVEN {
             return Ok(());
         }
-        self.reports.plausible.thread = true;
+        self.channel_mut().reports.plausible.thread = true;
         let text = format!(
             "the rigid tap of '{}' needs a rate of {asked:.0} where its axis reaches {most:.0}: reduce the spindle speed",
             self.block_text()
         );
         self.diagnose(&diag::THREAD_RATE, text);
-        self.check_stop()
+        self.channel().check_stop()
     }
 
     /// Looks at a feed per minute that is above [`look_above`](crate::state::plausible::Plausible).
     #[cold]
     pub(super) fn look_at_feed(&mut self, feed: f64, path: &Path<'_>) -> Acted {
         let again = self.look_at_spindle(path)?;
-        self.reports.plausible.look_above = if again { 0.0 } else { f64::INFINITY };
-        if self.reports.plausible.feed {
+        self.channel_mut().reports.plausible.look_above = if again { 0.0 } else { f64::INFINITY };
+        if self.channel().reports.plausible.feed {
             return Ok(());
         }
         let fastest = self.fastest_rate();
@@ -52,7 +52,7 @@ impl Act<'_, '_> {
             return Ok(());
         }
         if feed <= fastest || feed >= HIGHEST {
-            self.reports.plausible.look_above = if again { 0.0 } else { fastest };
+            self.channel_mut().reports.plausible.look_above = if again { 0.0 } else { fastest };
             return Ok(());
         }
         self.report_feed_rate(feed, fastest, "");
@@ -63,19 +63,19 @@ impl Act<'_, '_> {
     #[cold]
     pub(super) fn look_at_revolutions(&mut self, rate: f64) -> Acted {
         let fastest = self.fastest_rate();
-        let looks = !self.reports.plausible.feed && fastest > 0.0;
-        self.reports.plausible.look_above_revolutions = if looks { fastest } else { f64::INFINITY };
+        let looks = !self.channel().reports.plausible.feed && fastest > 0.0;
+        self.channel_mut().reports.plausible.look_above_revolutions = if looks { fastest } else { f64::INFINITY };
         if looks && rate > fastest {
-            self.reports.plausible.look_above_revolutions = f64::INFINITY;
+            self.channel_mut().reports.plausible.look_above_revolutions = f64::INFINITY;
             self.report_feed_rate(rate, fastest, ", per revolution at the speed of the spindle,");
         }
-        self.check_stop()
+        self.channel().check_stop()
     }
 
     /// Reports a move at feed that takes hours, once in a program.
     #[cold]
     pub(super) fn report_long_move(&mut self, seconds: f64) {
-        if std::mem::replace(&mut self.reports.plausible.long_move, true) {
+        if std::mem::replace(&mut self.channel_mut().reports.plausible.long_move, true) {
             return;
         }
         let text = format!(
@@ -88,12 +88,13 @@ impl Act<'_, '_> {
 
     /// The highest rate of the linear axes, units per minute.
     fn fastest_rate(&self) -> f64 {
-        let rates = self.state.place.layout.axes.iter().filter(|axis| !axis.rotary).map(|axis| axis.rapid * 60.0);
+        let rates =
+            self.channel().state.place.layout.axes.iter().filter(|axis| !axis.rotary).map(|axis| axis.rapid * 60.0);
         rates.fold(0.0, f64::max)
     }
 
     fn report_feed_rate(&mut self, rate: f64, fastest: f64, how: &str) {
-        self.reports.plausible.feed = true;
+        self.channel_mut().reports.plausible.feed = true;
         let text = format!(
             "the feed {rate:.0}{how} in '{}' is above the rate of every axis, at most {fastest:.0}: check its value and \
              unit",
@@ -105,8 +106,8 @@ impl Act<'_, '_> {
     /// Reports the first move at feed while the spindle is off, where the machine asks for it; returns whether the next
     /// move has to be looked at as well, because this one is an exception.
     fn look_at_spindle(&mut self, path: &Path<'_>) -> Result<bool, Halt> {
-        let asked = self.env.machine.habits.feed_needs_spindle && !self.reports.plausible.spindle;
-        let own = self.state.spindle.id.is_some() && !self.state.spindle.shared;
+        let asked = self.channel().env.machine.habits.feed_needs_spindle && !self.channel().reports.plausible.spindle;
+        let own = self.channel().state.spindle.id.is_some() && !self.channel().state.spindle.shared;
         if !(asked && own) {
             return Ok(false);
         }
@@ -117,13 +118,13 @@ impl Act<'_, '_> {
             return Ok(false);
         }
         // Stopped at an angle on purpose: fine boring, broaching.
-        if self.state.spindle.command.direction == Direction::Oriented {
+        if self.channel().state.spindle.command.direction == Direction::Oriented {
             return Ok(false);
         }
         if self.only_turns(path) {
             return Ok(true);
         }
-        self.reports.plausible.spindle = true;
+        self.channel_mut().reports.plausible.spindle = true;
         let text = format!("the move at feed in '{}' begins while the spindle is off", self.block_text());
         self.diagnose(&diag::SPINDLE_OFF, text);
         Ok(false)
@@ -131,13 +132,14 @@ impl Act<'_, '_> {
 
     /// Whether a tapping cycle runs, which turns the spindle itself.
     fn taps(&self) -> bool {
-        self.state.cycle.running && HoleCycle::numbered(self.state.cycle.number).is_some_and(HoleCycle::taps)
+        self.channel().state.cycle.running
+            && HoleCycle::numbered(self.channel().state.cycle.number).is_some_and(HoleCycle::taps)
     }
 
     /// Whether only rotary axes move: they position the part or the head.
     fn only_turns(&self, path: &Path<'_>) -> bool {
         let moves = |slot: AxisSlot| path.from.at(slot) != path.to.at(slot);
-        let mut moving = self.state.place.layout.axes.entries().filter(|(slot, _)| moves(*slot)).peekable();
+        let mut moving = self.channel().state.place.layout.axes.entries().filter(|(slot, _)| moves(*slot)).peekable();
         // A whole circle ends where it begins.
         moving.peek().is_some() && moving.all(|(_, axis)| axis.rotary)
     }

@@ -27,14 +27,14 @@ const CENTERS: [DataId; 3] = [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_
 /// Lengthens the distances of the block by a multiple of the offset.
 fn lengthen(act: &mut Act<'_, '_>, times: f64) -> Acted {
     super::compensation::take_diameter(act);
-    if act.state.cycle.running {
+    if act.channel().state.cycle.running {
         return Ok(());
     }
-    let by = times * act.cutter_radius(act.diameter_number());
-    let relative = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-    let stands = act.programmed();
-    for slot in act.state.place.layout.axes.ids() {
-        let axis = &act.state.place.layout.axes[slot];
+    let by = times * act.cutter_radius(act.channel().diameter_number());
+    let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let stands = act.channel().programmed();
+    for slot in act.channel().state.place.layout.axes.ids() {
+        let axis = &act.channel().state.place.layout.axes[slot];
         if axis.rotary {
             continue;
         }
@@ -52,11 +52,11 @@ fn lengthen(act: &mut Act<'_, '_>, times: f64) -> Acted {
 /// Whether the block moves along a circle.
 fn is_circle(act: &Act<'_, '_>) -> bool {
     let is_arc = |id: counterpoint_machine::ident::CodeId| matches!(id.kind(), CodeKind::Arc(_));
-    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
+    let rows = act.channel().block.pending.iter().map(|pending| &act.channel().env.machine.codes[pending.row]);
     let mut motions = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).peekable();
     match motions.peek() {
         Some(_) => motions.any(is_arc),
-        None => act.state.modal.code(group::MOTION).is_some_and(is_arc),
+        None => act.channel().state.modal.code(group::MOTION).is_some_and(is_arc),
     }
 }
 
@@ -74,8 +74,8 @@ enum Way {
 /// Lengthens the distance of one word.
 fn change(act: &mut Act<'_, '_>, id: DataId, said: Way, by: f64) {
     let registers = act.registers_of(id);
-    let factor = act.unit_factor(Dimension::Length);
-    for word in &mut act.block.words {
+    let factor = act.channel().unit_factor(Dimension::Length);
+    for word in &mut act.channel_mut().block.words {
         if word.used || registers & word.register.bit() == 0 {
             continue;
         }

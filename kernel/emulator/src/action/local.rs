@@ -46,8 +46,8 @@ struct Given {
 
 /// Executes a code of the local frame.
 pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted {
-    let levels = act.cycle_levels();
-    let before = act.counts_from();
+    let levels = act.channel_mut().cycle_levels();
+    let before = act.channel().counts_from();
     let mirrored = cutter::mirror::is_mirrored(act);
     let given = match (part, change) {
         (Part::Mirror, Change::Off) => fewer_mirrors(act),
@@ -67,10 +67,10 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
     if let Err(refused) = put(act, part, change, given) {
         refuse(act, refused);
     }
-    act.frames_changed();
+    act.channel_mut().frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
-    act.keep_ways(before);
-    act.keep_levels(levels);
+    act.channel_mut().keep_ways(before);
+    act.channel_mut().keep_levels(levels);
     let text = act.frame_text();
     act.emit(0, Kind::mode(text));
     Ok(())
@@ -79,30 +79,30 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
 /// The shift of the local frame along these axes ends, bit by axis.
 pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
     beside::end_shift(act, coded);
-    let frames = act.state.place.frames.as_deref();
+    let frames = act.channel().state.place.frames.as_deref();
     let Some(part) = frames.and_then(|frames| frames.local.part(Part::Translate)).copied() else { return };
     let mut by = part.values;
-    for (slot, axis) in by.iter_mut().zip(act.state.place.layout.cartesian) {
+    for (slot, axis) in by.iter_mut().zip(act.channel().state.place.layout.cartesian) {
         if axis.is_some_and(|axis| coded & axis.bit() != 0) {
             *slot = 0.0;
         }
     }
-    let has = act.state.place.has_axes();
+    let has = act.channel().state.place.has_axes();
     if let Err(refused) =
-        act.frames().local.set(Part::Translate, Some(Programmed::new(Affine::translation(by), by)), has)
+        act.channel_mut().frames().local.set(Part::Translate, Some(Programmed::new(Affine::translation(by), by)), has)
     {
         refuse(act, refused);
     }
-    act.frames_changed();
+    act.channel_mut().frames_changed();
 }
 
 /// Exchanges the local shifts when another work offset becomes active, if each has its own.
 pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
     let [old, new] = [old, new].map(|number| number.max(1));
-    if !act.env.machine.habits.shift_of_each || old == new || act.state.place.frames.is_none() {
+    if !act.channel().env.machine.habits.shift_of_each || old == new || act.channel().state.place.frames.is_none() {
         return;
     }
-    let frames = act.frames();
+    let frames = act.channel_mut().frames();
     let local = frames.local.part(Part::Translate).copied();
     let beside = frames.beside.as_deref().and_then(|beside| beside.part(Part::Translate)).copied();
     let mut kept = frames.shifts.take().unwrap_or_default();
@@ -117,21 +117,21 @@ pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
     if let Err(refused) = put(act, Part::Translate, Change::On, Given { local: next, beside: next_beside }) {
         refuse(act, refused);
     }
-    act.frames_changed();
+    act.channel_mut().frames_changed();
     let text = act.frame_text();
     act.emit(0, Kind::mode(text));
 }
 
 /// X is mirrored for tools on the other side of the turning axis: halfway between both turrets.
 fn opposite(act: &mut Act<'_, '_>, on: bool) -> Acted {
-    let has = act.state.place.has_axes();
+    let has = act.channel().state.place.has_axes();
     let mirrored = cutter::mirror::is_mirrored(act);
-    let at = [act.env.machine.turning.opposite / 2.0, 0.0, 0.0];
+    let at = [act.channel().env.machine.turning.opposite / 2.0, 0.0, 0.0];
     let given = on.then(|| mirror_of([1.0, 0.0, 0.0], at));
-    if let Err(refused) = act.frames().local.set(Part::Mirror, given, has) {
+    if let Err(refused) = act.channel_mut().frames().local.set(Part::Mirror, given, has) {
         refuse(act, refused);
     }
-    act.frames_changed();
+    act.channel_mut().frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
     let text = act.frame_text();
     act.emit(0, Kind::mode(text));
@@ -150,7 +150,7 @@ fn given(act: &mut Act<'_, '_>, part: Part, change: Change) -> Given {
     if adds || local.is_none() && beside.is_none() {
         return Given { local, beside };
     }
-    let frames = act.state.place.frames.as_deref();
+    let frames = act.channel().state.place.frames.as_deref();
     let kept = |frames: &Frames| frames.local.part(part).copied();
     let kept_beside = |frames: &Frames| frames.beside.as_deref()?.part(part).copied();
     Given { local: local.or_else(|| frames.and_then(kept)), beside: beside.or_else(|| frames.and_then(kept_beside)) }
@@ -158,8 +158,8 @@ fn given(act: &mut Act<'_, '_>, part: Part, change: Change) -> Given {
 
 /// Puts a part into force for all axes, or for none.
 fn put(act: &mut Act<'_, '_>, part: Part, change: Change, given: Given) -> Result<(), Refused> {
-    let has = act.state.place.has_axes();
-    let frames = act.frames();
+    let has = act.channel().state.place.has_axes();
+    let frames = act.channel_mut().frames();
     let now = || frames.beside.as_deref().cloned().unwrap_or_default();
     let beside = match (change, given.beside) {
         (Change::Add, Some(lines)) => Some(now().with_added(part, lines)?),
@@ -193,7 +193,7 @@ pub(crate) fn refuse(act: &mut Act<'_, '_>, refused: Refused) {
 fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
     let mut taken = numbers(act, ids);
     for (role, slot) in taken.iter_mut().enumerate() {
-        *slot = slot.map(|value| value * act.state.place.scale_of(role));
+        *slot = slot.map(|value| value * act.channel().state.place.scale_of(role));
     }
     taken
 }
@@ -205,7 +205,7 @@ fn numbers(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
 fn translation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let words = lengths(act, TRANSLATION);
     words.iter().any(Option::is_some).then(|| {
-        let frames = act.state.place.frames.as_deref().filter(|_| change == Change::On);
+        let frames = act.channel().state.place.frames.as_deref().filter(|_| change == Change::On);
         let before = frames.and_then(|frames| frames.local.part(Part::Translate)).map_or([0.0; 3], |part| part.values);
         let by = filled(words, before);
         Programmed::new(Affine::translation(by), by)
@@ -223,9 +223,9 @@ fn filled(words: [Option<f64>; 3], missing: Point) -> Point {
 
 /// Takes a centre. A machine that has words for it means the place where the tool is when the block has none.
 fn center(act: &mut Act<'_, '_>, ids: [DataId; 3], part: Part, change: Change) -> Point {
-    let here = act.seen_from_work(&act.contour());
-    let stands = match act.state.place.frames.as_deref() {
-        Some(_) if change == Change::Add => act.seen(&act.programmed()),
+    let here = act.channel().seen_from_work(&act.channel().contour());
+    let stands = match act.channel().state.place.frames.as_deref() {
+        Some(_) if change == Change::Add => act.channel().seen(&act.channel().programmed()),
         Some(frames) => frames.local.inside_of(part, here).unwrap_or(here),
         None => here,
     };
@@ -242,10 +242,10 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let angle = act.take(data::LCS_ROT_ANGLE).map(|datum| datum.value);
     let (about, turns) = (numbers(act, ABOUT), numbers(act, TURNS));
     let bare = change == Change::On && about.iter().chain(&turns).all(Option::is_none);
-    let angle = angle.or_else(|| act.env.machine.habits.rotation_angle.filter(|_| bare));
+    let angle = angle.or_else(|| act.channel().env.machine.habits.rotation_angle.filter(|_| bare));
     let named = ROTATION_CENTER.map(|id| act.block_has(id));
     let center = center(act, ROTATION_CENTER, Part::Rotate, change);
-    let frames = act.state.place.frames.as_deref().filter(|_| act.env.machine.habits.scaled_center);
+    let frames = act.channel().state.place.frames.as_deref().filter(|_| act.channel().env.machine.habits.scaled_center);
     let inside = |part: Part| frames.and_then(|frames| frames.local.part(part)).map(|given| given.map);
     let mirror = inside(Part::Mirror);
     let mut center = inside(Part::Scale).map_or(center, |scale| scale.point(center));
@@ -272,7 +272,7 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
         (None, Some([x, y, z]), _) => (chain([2, 1, 0], [z, y, x])?, [x, y, z], "ABC", 0.0),
         // Each about an axis that the ones before have turned.
         (None, None, Some(angles)) => {
-            let order = act.env.machine.habits.rotations;
+            let order = act.channel().env.machine.habits.rotations;
             (chain(order.axes, angles)?, angles, order.name, 0.0)
         }
         (None, None, None) => return None,
@@ -286,7 +286,7 @@ fn rotation(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
 /// Normal of the active plane.
 pub(super) fn normal(act: &Act<'_, '_>) -> Point {
     let [x, y, z] = UNITS;
-    match act.state.modal.code(group::PLANE) {
+    match act.channel().state.modal.code(group::PLANE) {
         Some(codes::PLANE_ZX) => y,
         Some(codes::PLANE_YZ) => x,
         _ => z,
@@ -297,7 +297,7 @@ fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
     let all = act.take_factor(data::LCS_SCALE);
     let each = SCALES.map(|id| act.take_factor(id));
     let bare = change == Change::On && each.iter().all(Option::is_none);
-    let all = all.or_else(|| act.env.machine.habits.scale_factor.filter(|_| bare));
+    let all = all.or_else(|| act.channel().env.machine.habits.scale_factor.filter(|_| bare));
     let center = center(act, SCALE_CENTER, Part::Scale, change);
     if all.is_none() && each.iter().all(Option::is_none) {
         return None;
@@ -310,8 +310,8 @@ fn scale(act: &mut Act<'_, '_>, change: Change) -> Option<Programmed> {
 fn mirrors(act: &mut Act<'_, '_>) -> [Option<f64>; 3] {
     let mut words = [None; 3];
     for (role, slot) in words.iter_mut().enumerate() {
-        let axis = act.state.place.layout.cartesian.get(role).copied().flatten();
-        let Some(axis) = axis.map(|axis| &act.state.place.layout.axes[axis]) else { continue };
+        let axis = act.channel().state.place.layout.cartesian.get(role).copied().flatten();
+        let Some(axis) = axis.map(|axis| &act.channel().state.place.layout.axes[axis]) else { continue };
         let (id, scale) = (axis.data, axis.scale);
         *slot = act.take(id).map(|datum| datum.value * scale);
     }
@@ -320,7 +320,7 @@ fn mirrors(act: &mut Act<'_, '_>) -> [Option<f64>; 3] {
 
 /// Mirrored axes and where their mirrors are.
 fn mirrored(act: &Act<'_, '_>) -> (Point, Point) {
-    let frames = act.state.place.frames.as_deref();
+    let frames = act.channel().state.place.frames.as_deref();
     let part = frames.and_then(|frames| frames.local.part(Part::Mirror));
     part.map_or(([0.0; 3], [0.0; 3]), |part| (part.values, part.center.unwrap_or_default()))
 }
@@ -347,7 +347,7 @@ fn fewer_mirrors(act: &mut Act<'_, '_>) -> Given {
         return Given { local: None, beside: None };
     }
     let beside = lines.or_else(|| {
-        let frames = act.state.place.frames.as_deref()?.beside.as_deref()?;
+        let frames = act.channel().state.place.frames.as_deref()?.beside.as_deref()?;
         frames.part(Part::Mirror).copied()
     });
     Given { local: left.contains(&1.0).then(|| mirror_of(left, at)), beside }
@@ -356,14 +356,14 @@ fn fewer_mirrors(act: &mut Act<'_, '_>) -> Given {
 impl Act<'_, '_> {
     /// The local frame in the words of the listing.
     pub(crate) fn frame_text(&self) -> String {
-        let Some(frames) = self.state.place.frames.as_deref() else { return "lcs off".to_owned() };
+        let Some(frames) = self.channel().state.place.frames.as_deref() else { return "lcs off".to_owned() };
         let local = &frames.local;
         if !local.is_programmed() && frames.beside.is_none() {
             return "lcs off".to_owned();
         }
         let list = |values: Point| values.map(wildcard_text).join(",");
         let mut text = "lcs".to_owned();
-        let values = self.frame_values();
+        let values = self.channel().frame_values();
         let mut part = |part: Part, word: &str, values: Point| {
             let beside = beside::text(self, part);
             if local.parts(part).next().is_some() || !beside.is_empty() {

@@ -15,7 +15,7 @@ use counterpoint_program::block::Datum;
 
 /// Axes of a channel other than its X, Y and Z, with the data of their words.
 fn axes(act: &Act<'_, '_>) -> Vec<(AxisSlot, DataId)> {
-    let layout = &act.state.place.layout;
+    let layout = &act.channel().state.place.layout;
     let beside = layout.axes.entries().filter(|(slot, _)| layout.is_beside(*slot));
     beside.map(|(slot, axis)| (slot, axis.data)).collect()
 }
@@ -34,7 +34,7 @@ fn taken(act: &mut Act<'_, '_>, before: Lines, line: impl Fn(Datum) -> Line) -> 
 
 /// The part that is active, to which words of other axes are added.
 fn part(act: &Act<'_, '_>, part: Part) -> Lines {
-    let frames = act.state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref());
+    let frames = act.channel().state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref());
     frames.and_then(|beside| beside.part(part)).copied().unwrap_or(SAME)
 }
 
@@ -46,14 +46,16 @@ pub(super) fn translation(act: &mut Act<'_, '_>, adds: bool) -> Option<Lines> {
 
 /// The shifts of these axes end, bit by axis.
 pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
-    let Some(beside) = act.state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref()) else { return };
+    let Some(beside) = act.channel().state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref()) else {
+        return;
+    };
     let mut lines = part(act, Part::Translate);
     for (axis, _) in axes(act).into_iter().filter(|(axis, _)| coded & axis.bit() != 0) {
         *lines.at_mut(axis) = Line::SAME;
     }
     if let Ok(changed) = beside.with(Part::Translate, Some(lines)) {
-        act.frames().beside = Some(Box::new(changed)).filter(|beside| !beside.is_empty());
-        act.frames_changed();
+        act.channel_mut().frames().beside = Some(Box::new(changed)).filter(|beside| !beside.is_empty());
+        act.channel_mut().frames_changed();
     }
 }
 
@@ -77,7 +79,7 @@ pub(super) fn fewer_mirrors(act: &mut Act<'_, '_>) -> Option<Lines> {
 
 /// The axes of a part for the listing, all parts of a kind taken together: `,C=30`.
 pub(super) fn text(act: &Act<'_, '_>, part: Part) -> String {
-    let frames = act.state.place.frames.as_deref();
+    let frames = act.channel().state.place.frames.as_deref();
     let Some(beside) = frames.and_then(|frames| frames.beside.as_deref()) else { return String::new() };
     let mut text = String::new();
     for (axis, _) in axes(act) {
@@ -89,7 +91,7 @@ pub(super) fn text(act: &Act<'_, '_>, part: Part) -> String {
             Part::Rotate => (0.0, 0.0),
         };
         if value != nothing {
-            text += &format!(",{}={}", act.axis_name(axis), wildcard_text(value));
+            text += &format!(",{}={}", act.channel().axis_name(axis), wildcard_text(value));
         }
     }
     text

@@ -23,9 +23,9 @@ fn measure(act: &mut Act<'_, '_>) -> Acted {
     if coded == 0 {
         return Ok(());
     }
-    let from = act.state.place.position;
+    let from = act.channel().state.place.position;
     let mut near = target;
-    for slot in act.state.place.layout.axes.ids().filter(|slot| coded & slot.bit() != 0) {
+    for slot in act.channel().state.place.layout.axes.ids().filter(|slot| coded & slot.bit() != 0) {
         let way = target.at(slot) - from.at(slot);
         let left = distance.unwrap_or(0.0).min(way.abs());
         *near.at_mut(slot) -= left.copysign(way);

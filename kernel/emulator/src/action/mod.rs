@@ -121,7 +121,7 @@ static READING: Actions = Actions {
 };
 
 const BASE: Actions = Actions {
-    of: find,
+    of: |id| find(id).map(|entry| entry as &dyn Action),
     flush_lookahead: |kernel| Act::new(kernel).next_element(None),
     flush_due: |kernel, hole| Act::new(kernel).flush_due(hole),
     end_compensation: |kernel, halt| Act::new(kernel).end_compensation(halt),
@@ -148,8 +148,8 @@ const BASE: Actions = Actions {
 };
 
 /// The action of a code, if it has a built-in one.
-fn find(id: CodeId) -> Option<&'static dyn Action> {
-    ENTRIES.iter().copied().flatten().find(|entry| entry.takes(id)).map(|entry| entry as &dyn Action)
+fn find(id: CodeId) -> Option<&'static Entry> {
+    ENTRIES.iter().copied().flatten().find(|entry| entry.takes(id))
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 /// A modal state.
 pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
-    if act.acting.mode_changed {
+    if act.channel().acting.mode_changed {
         act.emit(0, Kind::mode(text));
     }
     Ok(())
@@ -36,17 +36,17 @@ pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
 /// Primary or secondary units.
 pub(super) fn units(act: &mut Act<'_, '_>, secondary: bool) -> Acted {
     use counterpoint_event::info::Unit;
-    if act.state.secondary != secondary {
-        act.state.secondary = secondary;
+    if act.channel().state.secondary != secondary {
+        act.channel_mut().state.secondary = secondary;
         act.read_words_again();
     }
-    let inch = (act.env.machine.unit == Unit::Inch) != secondary;
+    let inch = (act.channel().env.machine.unit == Unit::Inch) != secondary;
     mode(act, if inch { "units inch" } else { "units mm" })
 }
 
 /// Exact stop at the end of this block.
 pub(super) fn exact_stop_block(act: &mut Act<'_, '_>) -> Acted {
-    act.block.flags.exact_stop = true;
+    act.channel_mut().block.flags.exact_stop = true;
     Ok(())
 }
 
@@ -55,7 +55,7 @@ pub(super) fn diameter(act: &mut Act<'_, '_>, side: &'static str, code: CodeId) 
     // A code that ends compensation needs no number.
     let asks = side != "off" || act.block_has(data::COMP_DIAM);
     let number = if asks { super::compensation::take_diameter(act) } else { None };
-    if act.acting.mode_changed || number.is_some() {
+    if act.channel().acting.mode_changed || number.is_some() {
         let text = format!("comp diam {side}");
         let mode = match number.filter(|_| side != "off") {
             Some(number) => {
@@ -75,9 +75,9 @@ pub(super) fn diameter(act: &mut Act<'_, '_>, side: &'static str, code: CodeId) 
 pub(super) fn function(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
     act.take(data::FUNCTION);
     if row.seconds <= 0.0 {
-        let (letter, value) = act.written(row, code);
+        let (letter, value) = (act.channel().env.machine.letter_of(&row.form), code.value);
         if letter == 'M' {
-            act.reports.swallowed.note(value);
+            act.channel_mut().reports.swallowed.note(value);
         }
         act.emit(0, Kind::Function(Function { letter, value }));
     }

@@ -41,7 +41,7 @@ fn one_way(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     let mut past = target;
-    for (slot, axis) in act.state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
+    for (slot, axis) in act.channel().state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
         *past.at_mut(slot) -= axis.one_way;
     }
     act.rapid_to(coded, past)?;
@@ -50,11 +50,11 @@ fn one_way(act: &mut Act<'_, '_>) -> Acted {
 
 /// Straight feed.
 pub(super) fn linear(act: &mut Act<'_, '_>) -> Acted {
-    if act.block.flags.machine_frame && act.env.machine.habits.machine_frame_rapid {
+    if act.channel().block.flags.machine_frame && act.channel().env.machine.habits.machine_frame_rapid {
         return rapid(act);
     }
     let (feed, unit) = act.feed();
-    if act.state.place.frames.is_none() {
+    if act.channel().state.place.frames.is_none() {
         let (coded, target) = act.plain_targets();
         return act.plain_feed(coded, &target, feed, unit);
     }
@@ -66,7 +66,7 @@ pub(super) fn linear(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn linear_times(act: &mut Act<'_, '_>, factor: f64) -> Acted {
     let (feed, unit) = act.feed();
     let (coded, mut target) = act.straight_targets();
-    for (to, from) in target.iter_mut().zip(&act.contour()) {
+    for (to, from) in target.iter_mut().zip(&act.channel().contour()) {
         let far = from + factor * (*to - from);
         if far.is_finite() {
             *to = far;
@@ -78,32 +78,34 @@ pub(super) fn linear_times(act: &mut Act<'_, '_>, factor: f64) -> Acted {
 /// Moves these axes straight to a point of the work frame, without words: at rapid, or at the feed of the active mode.
 pub(super) fn go_straight(act: &mut Act<'_, '_>, rapid: bool, coded: u8, to: &Position) -> Acted {
     if rapid {
-        let most = act.state.remembered.value(data::RAPID_FEED);
+        let most = act.channel().state.remembered.value(data::RAPID_FEED);
         return act.rapid_within(coded, *to, most);
     }
-    let (id, unit) = feed_of(act.state.modal.code(group::FEED));
-    let feed = act.state.remembered.value(id).filter(|_| unit != FeedUnit::InverseTime);
+    let (id, unit) = feed_of(act.channel().state.modal.code(group::FEED));
+    let feed = act.channel().state.remembered.value(id).filter(|_| unit != FeedUnit::InverseTime);
     act.plain_feed(coded, to, feed, unit)
 }
 
 impl Act<'_, '_> {
     /// Feed of the active mode: the word in the block, otherwise the remembered one.
     pub(super) fn feed(&mut self) -> (Option<f64>, FeedUnit) {
-        let (id, unit) = feed_of(self.state.modal.code(group::FEED));
+        let (id, unit) = feed_of(self.channel().state.modal.code(group::FEED));
         match self.take(id) {
             Some(datum) => {
-                self.state.remembered.remember(id, datum.value);
+                self.channel_mut().state.remembered.remember(id, datum.value);
                 (Some(datum.value), unit)
             }
             // Inverse time belongs to its block alone.
             None if unit == FeedUnit::InverseTime => (None, unit),
-            None => (self.state.remembered.value(id), unit),
+            None => (self.channel().state.remembered.value(id), unit),
         }
     }
 
     /// Feed that a rapid move must not pass: that of the block, otherwise the remembered one where the row is modal.
     fn rapid_feed(&mut self) -> Option<f64> {
-        let Some(datum) = self.take(data::RAPID_FEED) else { return self.state.remembered.value(data::RAPID_FEED) };
+        let Some(datum) = self.take(data::RAPID_FEED) else {
+            return self.channel().state.remembered.value(data::RAPID_FEED);
+        };
         if datum.value <= 0.0 {
             let text =
                 format!("the feed rate is zero or negative in '{}', the move is timed as rapid", self.block_text());
@@ -111,7 +113,7 @@ impl Act<'_, '_> {
             return None;
         }
         if self.sources(data::RAPID_FEED).iter().any(|source| source.modal) {
-            self.state.remembered.remember(data::RAPID_FEED, datum.value);
+            self.channel_mut().state.remembered.remember(data::RAPID_FEED, datum.value);
         }
         Some(datum.value)
     }
@@ -119,33 +121,37 @@ impl Act<'_, '_> {
     /// Takes the axis words: bits of coded axes, and the target in the work frame.
     #[inline(always)]
     pub(super) fn targets(&mut self) -> (u8, Position) {
-        if self.state.place.frames.is_some() { self.targets_in_frames() } else { self.plain_targets() }
+        if self.channel().state.place.frames.is_some() { self.targets_in_frames() } else { self.plain_targets() }
     }
 
     /// The same, with the words that orient the tool.
     #[inline(always)]
     pub(super) fn straight_targets(&mut self) -> (u8, Position) {
-        if self.state.place.frames.is_some() { self.oriented_targets() } else { self.plain_targets() }
+        if self.channel().state.place.frames.is_some() { self.oriented_targets() } else { self.plain_targets() }
     }
 
     /// Takes the axis words: bits of coded axes, and the target as programmed.
     #[inline(always)]
     pub(super) fn programmed_targets(&mut self) -> (u8, Position) {
-        if self.state.place.frames.is_some() { self.framed_targets() } else { self.plain_targets() }
+        if self.channel().state.place.frames.is_some() { self.framed_targets() } else { self.plain_targets() }
     }
 
     /// Where programmed points are points of the work frame.
     #[inline(never)]
     fn plain_targets(&mut self) -> (u8, Position) {
-        self.axis_words(self.state.place.position, |act, axis| Some(act.shift_in_machine_frame(axis)), Self::take_axis)
+        self.axis_words(
+            self.channel().state.place.position,
+            |act, axis| Some(act.channel().shift_in_machine_frame(axis)),
+            Self::take_axis,
+        )
     }
 
     #[cold]
     fn targets_in_frames(&mut self) -> (u8, Position) {
         let (coded, target) = self.framed_targets();
         let (coded, target) = self.by_angle(coded, target);
-        self.ways_travelled(coded);
-        (coded, self.work_point(&target))
+        self.channel_mut().ways_travelled(coded);
+        (coded, self.channel_mut().work_point(&target))
     }
 
     #[cold]
@@ -157,23 +163,23 @@ impl Act<'_, '_> {
     #[cold]
     fn framed_targets(&mut self) -> (u8, Position) {
         self.check_parts();
-        if self.block.flags.machine_frame {
-            let tool = self.tool_in_machine_frame();
+        if self.channel().block.flags.machine_frame {
+            let tool = self.channel().tool_in_machine_frame();
             let add = |place: &mut Position, factor: f64| {
                 place.iter_mut().zip(tool).for_each(|(slot, tool)| *slot += factor * tool);
             };
             let start = self.start_in_machine_frame();
-            let mut stands = self.machine_point(&start);
+            let mut stands = self.channel().machine_point(&start);
             add(&mut stands, -1.0);
             let (coded, mut target) = self.axis_words(stands, |_, _| None, Self::take_axis);
             add(&mut target, 1.0);
-            self.ways_travelled(coded);
-            return (coded, self.program_point(&self.point_of_machine(&target)));
+            self.channel_mut().ways_travelled(coded);
+            return (coded, self.channel().program_point(&self.channel().point_of_machine(&target)));
         }
-        let from = self.programmed();
-        let counted = self.counted();
-        let shift = |act: &Self, axis: AxisSlot| Some(act.state.place.shift.at(axis));
-        let (coded, mut target) = match (self.polar(), self.polar_axes()) {
+        let from = self.channel().programmed();
+        let counted = self.channel().counted();
+        let shift = |act: &Self, axis: AxisSlot| Some(act.channel().state.place.shift.at(axis));
+        let (coded, mut target) = match (self.channel().polar(), self.polar_axes()) {
             (Some(polar), _) => self.axis_words(counted, shift, |act, axis| act.take_polar(polar, axis)),
             (None, None) => self.axis_words(counted, shift, Self::take_axis),
             (None, Some(flat)) => {
@@ -190,19 +196,23 @@ impl Act<'_, '_> {
             }
         }
         let (coded, target) = self.polar_end(coded, target);
-        self.ways_travelled(coded);
+        self.channel_mut().ways_travelled(coded);
         (coded, target)
     }
 
     /// Where a move to positions of the machine frame starts: on the contour, unless it goes without compensation.
     fn start_in_machine_frame(&mut self) -> Position {
-        if self.cutter().is_some_and(|cutter| !cutter.suspended) { self.contour() } else { self.state.place.position }
+        if self.channel_mut().cutter().is_some_and(|cutter| !cutter.suspended) {
+            self.channel().contour()
+        } else {
+            self.channel().state.place.position
+        }
     }
 
     /// Takes the word of an axis.
     #[inline(always)]
     pub(super) fn take_axis(&mut self, axis: AxisSlot) -> Option<Datum> {
-        self.take(self.state.place.layout.axes[axis].data)
+        self.take(self.channel().state.place.layout.axes[axis].data)
     }
 
     /// Takes the axis words onto a point; `shift` is the distance of its machine coordinates.
@@ -213,15 +223,15 @@ impl Act<'_, '_> {
         shift: impl Fn(&Self, AxisSlot) -> Option<f64>,
         take: impl Fn(&mut Self, AxisSlot) -> Option<Datum>,
     ) -> (u8, Position) {
-        let relative = match self.state.modal.code(group::POSITION) {
+        let relative = match self.channel().state.modal.code(group::POSITION) {
             Some(codes::POSITION_RELATIVE) => Some(true),
             Some(_) => Some(false),
             None => None,
         };
         let mut target = from;
         let mut coded = 0_u8;
-        let as_written = self.state.place.layout.angles == 0 && !self.block.flags.machine_frame;
-        for axis in self.state.place.layout.axes.ids() {
+        let as_written = self.channel().state.place.layout.angles == 0 && !self.channel().block.flags.machine_frame;
+        for axis in self.channel().state.place.layout.axes.ids() {
             let Some(datum) = take(self, axis) else { continue };
             if relative.is_none() && !datum.incremental {
                 let text = format!(
@@ -236,8 +246,9 @@ impl Act<'_, '_> {
             } else if as_written {
                 datum.value
             } else {
-                let away = if self.block.flags.machine_frame { shift(self, axis).unwrap_or(0.0) } else { 0.0 };
-                match self.state.place.layout.angles & axis.bit() {
+                let away =
+                    if self.channel().block.flags.machine_frame { shift(self, axis).unwrap_or(0.0) } else { 0.0 };
+                match self.channel().state.place.layout.angles & axis.bit() {
                     0 => datum.value - away,
                     _ => self.turned_to(axis, *slot, datum.value, away),
                 }
@@ -250,7 +261,8 @@ impl Act<'_, '_> {
     /// Length of the tool path: linear axes, or the rotary ones when nothing else moves.
     pub(super) fn tool_path(&self, changes: &Position) -> f64 {
         let sum = |rotary: bool| {
-            self.state
+            self.channel()
+                .state
                 .place
                 .layout
                 .axes
@@ -266,20 +278,20 @@ impl Act<'_, '_> {
 
     /// A rapid move to a programmed point.
     pub(super) fn rapid_to_point(&mut self, coded: u8, target: Position) -> Acted {
-        let target = self.work_point(&target);
+        let target = self.channel_mut().work_point(&target);
         self.rapid_to(coded, target)
     }
 
     /// A straight feed move to a programmed point.
     pub(super) fn feed_to_point(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        let target = self.work_point(&target);
+        let target = self.channel_mut().work_point(&target);
         self.feed_to(coded, target, feed, unit)
     }
 
     /// Axes that a move concerns: a turned frame moves others than the coded ones.
     #[inline(always)]
     pub(super) fn moving(&self, coded: u8, changes: &Position) -> u8 {
-        if self.state.place.frames.is_none() {
+        if self.channel().state.place.frames.is_none() {
             return coded;
         }
         changes.iter().enumerate().filter(|(_, c)| **c != 0.0).fold(coded, |bits, (axis, _)| bits | 1 << axis)
@@ -292,15 +304,15 @@ impl Act<'_, '_> {
 
     /// The same, along its path not faster than a feed per minute.
     pub(super) fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
-        if self.is_compensated() {
+        if self.channel().is_compensated() {
             let step = Step { shape: Shape::Rapid, coded, to: target, feed, unit: FeedUnit::Rapid };
             return self.compensate(step);
         }
-        let from = self.state.place.position;
+        let from = self.channel().state.place.position;
         if target == from {
             return Ok(());
         }
-        let changes = self.changes(&from, &target);
+        let changes = self.channel().changes(&from, &target);
         let mut seconds = self.rapid_seconds(&from, &target);
         if let Some(feed) = feed {
             let length = changes.iter().map(|change| change * change).sum::<f64>().sqrt();
@@ -314,7 +326,7 @@ impl Act<'_, '_> {
 
     /// A straight feed move to a target in the work frame.
     pub(super) fn feed_to(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        if self.state.place.frames.is_some() {
+        if self.channel().state.place.frames.is_some() {
             return self.feed_in_frames(coded, target, feed, unit);
         }
         self.plain_feed(coded, &target, feed, unit)
@@ -322,52 +334,52 @@ impl Act<'_, '_> {
 
     /// Where programmed points are points of the work frame.
     fn plain_feed(&mut self, coded: u8, target: &Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        let from = self.state.place.position;
+        let from = self.channel().state.place.position;
         if *target == from {
             return Ok(());
         }
-        let changes = self.changes(&from, target);
-        let weighs = self.state.place.weighs;
+        let changes = self.channel().changes(&from, target);
+        let weighs = self.channel().state.place.weighs;
         let square = |ways: &Position| ways.iter().map(|c| c * c).sum::<f64>();
-        let feed_length = if weighs { square(&self.feed_ways(&changes)) } else { square(&changes) }.sqrt();
+        let feed_length = if weighs { square(&self.channel().feed_ways(&changes)) } else { square(&changes) }.sqrt();
         let path = Path { from: &from, to: target, length: feed_length, arc: None };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
         if weighs {
-            seconds = self.seconds_of_group(seconds, &changes);
+            seconds = self.channel().seconds_of_group(seconds, &changes);
         }
         let length = if weighs { self.tool_path(&changes) } else { feed_length };
-        let feed = (if weighs { self.feed_of_axes(feed, unit, &changes) } else { feed.unwrap_or(0.0) }, unit);
+        let feed = (if weighs { self.channel().feed_of_axes(feed, unit, &changes) } else { feed.unwrap_or(0.0) }, unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, coded, [from, *target], feed, length))
     }
 
     #[cold]
     fn feed_in_frames(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        if self.is_compensated() {
+        if self.channel().is_compensated() {
             // Without a coordinate nothing moves, though the tool is not where the program is.
             let step = Step { shape: Shape::Linear, coded, to: target, feed, unit };
             return if coded == 0 && !self.opens_line() { Ok(()) } else { self.compensate(step) };
         }
-        let from = self.state.place.position;
+        let from = self.channel().state.place.position;
         if target == from {
             return Ok(());
         }
-        let changes = self.feed_changes(&from, &target);
-        let ways = self.feed_ways(&changes);
+        let changes = self.channel().feed_changes(&from, &target);
+        let ways = self.channel().feed_ways(&changes);
         let feed_length = ways.iter().map(|c| c * c).sum::<f64>().sqrt();
         let feed = self.feed_down(feed, unit, &ways, feed_length);
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
-        let seconds = self.seconds_of_group(self.at_rates(seconds, &from, &target, None), &changes);
+        let seconds = self.channel().seconds_of_group(self.at_rates(seconds, &from, &target, None), &changes);
         let length = self.feed_path(&changes, feed_length);
-        let moving = self.moving(coded, &self.changes(&from, &target));
-        let feed = (self.feed_of_axes(feed, unit, &changes), unit);
+        let moving = self.moving(coded, &self.channel().changes(&from, &target));
+        let feed = (self.channel().feed_of_axes(feed, unit, &changes), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
     }
 
     /// A straight move that a macro has changed: made again from its start.
     pub(crate) fn straight_again(&mut self, motion: &Motion, rapid: bool, to: Position) -> Acted {
-        let from = self.state.place.position;
-        let changes = self.changes(&from, &to);
+        let from = self.channel().state.place.position;
+        let changes = self.channel().changes(&from, &to);
         let length = self.tool_path(&changes);
         let moved = changes.iter().enumerate().filter(|(_, change)| **change != 0.0);
         let coded = moved.fold(motion.moving, |bits, (axis, _)| bits | 1 << axis);
@@ -380,14 +392,14 @@ impl Act<'_, '_> {
             MotionKind::Linear => (Some(motion.feed), motion.feed_unit),
             _ => self.feed(),
         };
-        let changes = self.feed_changes(&from, &to);
-        let feed_length = self.feed_ways(&changes).iter().map(|c| c * c).sum::<f64>().sqrt();
+        let changes = self.channel().feed_changes(&from, &to);
+        let feed_length = self.channel().feed_ways(&changes).iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &to, length: feed_length, arc: None };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
-        if self.state.place.frames.is_some() {
+        if self.channel().state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);
         }
-        seconds = self.seconds_of_group(seconds, &changes);
+        seconds = self.channel().seconds_of_group(seconds, &changes);
         let length = self.feed_path(&changes, feed_length);
         let feed = (feed.unwrap_or(0.0), unit);
         self.move_to(seconds, &Motion::straight(MotionKind::Linear, coded, [from, to], feed, length))

@@ -14,23 +14,28 @@ use counterpoint_machine::model::{LengthInMachineFrame, LengthThere};
 /// Selects the offsets whose numbers are in the block; `free`: registers whose words no code of the block takes, one
 /// bit each.
 pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
-    let has = |act: &Act<'_, '_>, id| act.has_any(act.registers_of(id) & free);
-    if has(act, data::COMP_LENGTH) && act.state.place.in_force.length_sign != 0.0 {
-        let number = act.take(data::COMP_LENGTH).map_or(0, |_| act.state.remembered.length());
-        let sign = act.state.place.in_force.length_sign;
+    let has = |act: &Act<'_, '_>, id| act.channel().has_any(act.registers_of(id) & free);
+    if has(act, data::COMP_LENGTH) && act.channel().state.place.in_force.length_sign != 0.0 {
+        let number = act.take(data::COMP_LENGTH).map_or(0, |_| act.channel().state.remembered.length());
+        let sign = act.channel().state.place.in_force.length_sign;
         put_length(act, sign, number);
         let text = format!("comp length n={number}");
         act.emit(0, Kind::compensation(text, OffsetKind::Length, f64::from(number)));
         length_changed(act);
     }
-    let Some(code) = act.state.modal.code(group::DIAMETER) else { return Ok(()) };
+    let Some(code) = act.channel().state.modal.code(group::DIAMETER) else { return Ok(()) };
     let side = match code {
         codes::COMP_DIAM_LEFT => "left",
         codes::COMP_DIAM_RIGHT => "right",
         _ => return Ok(()),
     };
-    let queued = act.block.pending.iter().any(|code| act.env.machine.codes[code.row].group == group::DIAMETER);
-    if queued || act.is_turning() || !has(act, data::COMP_DIAM) {
+    let queued = act
+        .channel()
+        .block
+        .pending
+        .iter()
+        .any(|code| act.channel().env.machine.codes[code.row].group == group::DIAMETER);
+    if queued || act.channel().is_turning() || !has(act, data::COMP_DIAM) {
         return Ok(());
     }
     let Some(number) = super::compensation::take_diameter(act) else { return Ok(()) };
@@ -43,37 +48,37 @@ pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
 
 /// Activates a length offset; the caller must then rebuild the frame.
 pub(super) fn put_length(act: &mut Act<'_, '_>, sign: f64, number: u32) {
-    let before = act.state.place.in_force;
+    let before = act.channel().state.place.in_force;
     if sign != 0.0 && (before.length_sign == 0.0 || before.length_number != number) {
         super::tool::missing_among_listed(act, number);
     }
-    act.state.place.in_force.set_length(sign, number);
+    act.channel_mut().state.place.in_force.set_length(sign, number);
 }
 
 /// Makes a change of the length active. On machines where the axis of the tool moves by the change, its next move
 /// includes the change. Exceptions are blocks with a code that takes the axis words itself (G28) or gives positions of
 /// the machine frame (G53).
 pub(super) fn length_changed(act: &mut Act<'_, '_>) {
-    let machine = act.env.machine;
-    act.block.flags.travels = machine.compensation.length.moves
-        && !act.block.pending.iter().any(|code| {
+    let machine = act.channel().env.machine;
+    act.channel_mut().block.flags.travels = machine.compensation.length.moves
+        && !act.channel().block.pending.iter().any(|code| {
             let row = &machine.codes[code.row];
             row.owns_axes || row.id == codes::POSITION_MACHINE
         });
     act.reframe();
-    act.block.flags.travels = false;
+    act.channel_mut().block.flags.travels = false;
 }
 
 /// Axes have come to a reference point.
 pub(super) fn at_reference(act: &mut Act<'_, '_>, axes: u8) {
-    match act.env.machine.compensation.length.at_reference {
+    match act.channel().env.machine.compensation.length.at_reference {
         LengthThere::Stays => {}
         LengthThere::Off => take_off(act, axes),
-        LengthThere::Ends if act.state.place.in_force.length_sign != 0.0 && act.tip().is_none() => {
-            let machine = act.env.machine;
+        LengthThere::Ends if act.channel().state.place.in_force.length_sign != 0.0 && act.channel().tip().is_none() => {
+            let machine = act.channel().env.machine;
             let row = machine.codes.entries().find(|(_, row)| row.enable && row.id == codes::COMP_LENGTH_OFF);
             if let Some((place, row)) = row {
-                act.state.modal.activate(row.group, row.id, Some(place));
+                act.channel_mut().state.modal.activate(row.group, row.id, Some(place));
             }
             put_length(act, 0.0, 0);
             act.emit(0, Kind::mode("comp length off"));
@@ -85,13 +90,13 @@ pub(super) fn at_reference(act: &mut Act<'_, '_>, axes: u8) {
 
 /// Axes go to positions of the machine frame.
 pub(super) fn in_machine_frame(act: &mut Act<'_, '_>, axes: u8) {
-    if act.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Off {
+    if act.channel().env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Off {
         take_off(act, axes);
     }
 }
 
 fn take_off(act: &mut Act<'_, '_>, axes: u8) {
-    if act.tip().is_none() && act.take_length_off(axes) {
+    if act.channel().tip().is_none() && act.channel_mut().take_length_off(axes) {
         act.reframe();
     }
 }

@@ -71,7 +71,7 @@ fn meant(kind: Option<f64>, number: Option<u32>, turning: bool, most_extended: u
 
 /// Highest number that the code of an extended work offset may have.
 fn most_extended(act: &Act<'_, '_>) -> u32 {
-    let machine = &act.env.machine;
+    let machine = &act.channel().env.machine;
     let rows = machine.tables.rows_of_data[data::COMP_EXTFIXT_REG].iter();
     rows.filter_map(|&row| machine.data[row].max)
         .fold(None, |most, max| Some(f64::max(max, most.unwrap_or(max))))
@@ -87,7 +87,7 @@ pub(super) fn set(act: &mut Act<'_, '_>) -> Acted {
         act.pass_data_blocks();
         return Ok(());
     }
-    let what = match meant(kind, number, act.is_turning(), most_extended(act)) {
+    let what = match meant(kind, number, act.channel().is_turning(), most_extended(act)) {
         Ok(what) => what,
         Err(why) => {
             let text = format!("{why}: '{}' sets nothing", act.block_text());
@@ -119,14 +119,14 @@ pub(super) fn set(act: &mut Act<'_, '_>) -> Acted {
 }
 
 fn is_relative(act: &Act<'_, '_>) -> bool {
-    act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+    act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
 }
 
 fn axes(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
-    let mut values = act.offset_values(table, number);
+    let mut values = act.channel().offset_values(table, number);
     let relative = is_relative(act);
-    for axis in act.state.place.layout.axes.ids() {
-        let id = act.state.place.layout.axes[axis].data;
+    for axis in act.channel().state.place.layout.axes.ids() {
+        let id = act.channel().state.place.layout.axes[axis].data;
         let Some(datum) = act.take(id).filter(|datum| datum.value.is_finite()) else { continue };
         *values.at_mut(axis) = if relative || datum.incremental { values.at(axis) + datum.value } else { datum.value };
     }
@@ -134,8 +134,8 @@ fn axes(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
 }
 
 fn length(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
-    let mut values = act.offset_values(table, number);
-    let along = act.state.place.layout.cartesian.get(2).copied().flatten();
+    let mut values = act.channel().offset_values(table, number);
+    let along = act.channel().state.place.layout.cartesian.get(2).copied().flatten();
     let relative = is_relative(act);
     let Some(value) = act.take(data::OFFSET_VALUE).map(|datum| datum.value) else { return false };
     let Some(axis) = along.filter(|_| value.is_finite()) else { return false };
@@ -145,12 +145,12 @@ fn length(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
 
 /// A missing value changes nothing.
 fn radius(act: &mut Act<'_, '_>, table: Radii, number: u32) -> bool {
-    let before = act.offset_radius(table, number);
+    let before = act.channel().offset_radius(table, number);
     let relative = is_relative(act);
     match act.take(data::OFFSET_VALUE).map(|datum| datum.value) {
         Some(value) if value.is_finite() => {
             let value = if relative { before + value } else { value };
-            act.set_offset_radius(table, number, value)
+            act.channel_mut().set_offset_radius(table, number, value)
         }
         Some(_) => false,
         None => true,
@@ -159,5 +159,5 @@ fn radius(act: &mut Act<'_, '_>, table: Radii, number: u32) -> bool {
 
 /// A missing value changes nothing.
 fn tip(act: &mut Act<'_, '_>, number: u32) -> bool {
-    act.take(data::OFFSET_TIP).is_none_or(|datum| act.set_offset_tip(number, datum.value))
+    act.take(data::OFFSET_TIP).is_none_or(|datum| act.channel_mut().set_offset_tip(number, datum.value))
 }

@@ -42,7 +42,7 @@ fn pocket(act: &mut Act<'_, '_>) -> Acted {
     let feed = act.feed();
     let (coded, target) = act.programmed_targets();
     let Some((plane, z)) = axes(act) else { return refuse(act, "the plane of X and Y is not active") };
-    if act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE) {
+    if act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE) {
         return refuse(act, "incremental positions (G91) are not emulated, give absolute ones (G90)");
     }
     let Some(outline) = outline.filter(|number| *number >= 1.0 && *number < 1e9 && number.fract() == 0.0) else {
@@ -65,11 +65,11 @@ fn pocket(act: &mut Act<'_, '_>) -> Acted {
         return refuse(act, &format!("the last pass K is {finish}, it must not be below 0"));
     }
     act.check_feed(feed.0)?;
-    let mut over = act.programmed();
+    let mut over = act.channel().programmed();
     for axis in plane.axes {
         *over.at_mut(axis) = target.at(axis);
     }
-    let flat = plane.moved(&act.programmed(), &over);
+    let flat = plane.moved(&act.channel().programmed(), &over);
     if flat != 0 {
         act.rapid_to_point(flat, over)?;
     }
@@ -82,20 +82,23 @@ fn pocket(act: &mut Act<'_, '_>) -> Acted {
 
 /// The plane of X and Y, if it is active, and Z.
 fn axes(act: &Act<'_, '_>) -> Option<(LathePlane, AxisSlot)> {
-    let plane = act.active_plane().filter(|_| act.state.modal.code(group::PLANE) == Some(codes::PLANE_XY))?;
-    let z = act.state.place.layout.cartesian.get(2).copied().flatten()?;
+    let plane = act
+        .channel()
+        .active_plane()
+        .filter(|_| act.channel().state.modal.code(group::PLANE) == Some(codes::PLANE_XY))?;
+    let z = act.channel().state.place.layout.cartesian.get(2).copied().flatten()?;
     Some((plane, z))
 }
 
 /// Clears the pocket whose outline was read.
 pub(super) fn cut(act: &mut Act<'_, '_>, pocket: &Pocket, feed: (Option<f64>, FeedUnit), reading: Reading) -> Acted {
     let Some((plane, z)) = axes(act) else { return Ok(()) };
-    let side = match act.state.modal.code(group::DIAMETER) {
+    let side = match act.channel().state.modal.code(group::DIAMETER) {
         Some(codes::COMP_DIAM_LEFT) => 1.0,
         Some(codes::COMP_DIAM_RIGHT) => -1.0,
         _ => return refuse(act, "it needs G41 or G42 with the offset D of the tool"),
     };
-    let radius = act.diameter_in_force().map_or(0.0, |number| act.cutter_radius(number));
+    let radius = act.channel().diameter_in_force().map_or(0.0, |number| act.cutter_radius(number));
     cutter::beside(act, None)?;
     if radius <= 0.0 {
         return refuse(act, "the offset D of the tool has no radius");
@@ -112,7 +115,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, pocket: &Pocket, feed: (Option<f64>, Fe
     if area.add(outline.turned(turn).elements()).is_err() {
         return refuse(act, "its outline is not closed");
     }
-    let start = plane.point(&act.programmed());
+    let start = plane.point(&act.channel().programmed());
     if side != inside || !outline.holds(start) {
         return refuse(
             act,
@@ -162,14 +165,14 @@ struct Cuts {
 impl Cuts {
     /// To a point at the return plane.
     fn over(&self, act: &mut Act<'_, '_>, spot: Spot) -> Acted {
-        let here = act.programmed();
+        let here = act.channel().programmed();
         let to = self.plane.position(here, spot);
         let flat = self.plane.moved(&here, &to);
         if flat == 0 { Ok(()) } else { act.rapid_to_point(flat, to) }
     }
 
     fn height(&self, act: &mut Act<'_, '_>, height: f64) -> Acted {
-        let mut to = act.programmed();
+        let mut to = act.channel().programmed();
         if to.at(self.z) == height {
             return Ok(());
         }
@@ -204,7 +207,7 @@ impl Cuts {
     }
 
     fn go(&self, act: &mut Act<'_, '_>, element: &Element) -> Acted {
-        let from = act.programmed();
+        let from = act.channel().programmed();
         let to = self.plane.position(from, turned_by(element.to, -self.turn));
         let coded = self.plane.moved(&from, &to);
         let (feed, unit) = self.feed;
@@ -219,7 +222,7 @@ impl Cuts {
         let coded = self.plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());
         let circle = Circle { made, coded, from, to, axes: self.plane.axes, turns: 0, feed, unit, screw: None };
         match plane(codes::PLANE_XY) {
-            Some(plane) if act.state.place.frames.is_some() => turned::circle(act, plane, &circle),
+            Some(plane) if act.channel().state.place.frames.is_some() => turned::circle(act, plane, &circle),
             _ => act.circle_to(&circle),
         }
     }

@@ -35,21 +35,21 @@ const STEP: f64 = 2.0;
 
 /// Switches it on: words are coordinates, or radius and angle.
 pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
-    if act.polar().is_some_and(|polar| polar.cartesian == cartesian && !polar.is_cylinder()) {
+    if act.channel().polar().is_some_and(|polar| polar.cartesian == cartesian && !polar.is_cylinder()) {
         return Ok(());
     }
     not_tilted(act)?;
     let Some((linear, rotary)) = axes(act) else {
         let text = format!(
             "channel {} has no linear and rotary axis for polar interpolation of '{}'",
-            act.at.channel,
+            act.channel().at.channel,
             act.block_text()
         );
         act.diagnose(&diag::NO_POLAR_AXES, text);
         return Ok(());
     };
-    act.frames().polar = Some(Polar::new(&act.state.place, linear, rotary, cartesian));
-    act.frames_changed();
+    act.channel_mut().frames().polar = Some(Polar::new(&act.channel().state.place, linear, rotary, cartesian));
+    act.channel_mut().frames_changed();
     super::cutter::plane_changed(act);
     act.emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
     Ok(())
@@ -57,7 +57,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
 
 /// In a tilted plane the linear axes follow the part, not the words one by one.
 pub(super) fn not_tilted(act: &mut Act<'_, '_>) -> Acted {
-    if act.tilted().is_none() {
+    if act.channel().tilted().is_none() {
         return Ok(());
     }
     let text = format!("'{}' is not possible in a tilted plane", act.block_text());
@@ -66,10 +66,10 @@ pub(super) fn not_tilted(act: &mut Act<'_, '_>) -> Acted {
 
 /// Switches it off, that of a cylinder too; the axes stay where they are.
 pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
-    let Some(polar) = act.state.place.frames.as_deref_mut().and_then(|frames| frames.polar.take()) else {
+    let Some(polar) = act.channel_mut().state.place.frames.as_deref_mut().and_then(|frames| frames.polar.take()) else {
         return Ok(());
     };
-    act.frames_changed();
+    act.channel_mut().frames_changed();
     super::cutter::plane_changed(act);
     let text =
         if polar.is_cylinder() { "cylinder off".to_owned() } else { format!("c2p {} off", form(polar.cartesian)) };
@@ -83,13 +83,14 @@ fn form(cartesian: bool) -> &'static str {
 
 /// The axes that the machine names for it, otherwise X and the first rotary axis of the workpiece.
 fn axes(act: &Act<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
-    let channel = act.env.machine.channels.iter().find(|channel| channel.number == act.at.channel)?;
+    let channel =
+        act.channel().env.machine.channels.iter().find(|channel| channel.number == act.channel().at.channel)?;
     if let Some([linear, rotary]) = channel.polar {
         return Some((linear, rotary));
     }
     let tables = [data::AXIS_CT, data::AXIS_CT2, data::AXIS_BT, data::AXIS_AT];
-    let rotary = tables.into_iter().find_map(|id| act.axis_of_data(id))?;
-    Some((act.state.place.layout.cartesian.first().copied().flatten()?, rotary))
+    let rotary = tables.into_iter().find_map(|id| act.channel().axis_of_data(id))?;
+    Some((act.channel().state.place.layout.cartesian.first().copied().flatten()?, rotary))
 }
 
 /// A circle on the part. Its plane is that of the part, regardless of the active plane.
@@ -102,16 +103,16 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     if coded == 0 && radius.is_none() && offsets.iter().all(Option::is_none) {
         return Ok(());
     }
-    let (from, programmed) = (act.contour(), act.programmed());
-    let mut to = act.work_point(&target);
+    let (from, programmed) = (act.channel().contour(), act.channel().programmed());
+    let mut to = act.channel_mut().work_point(&target);
     // Words that are coordinates tell a circle of the local frame.
     let spots = if polar.cartesian && !polar.is_cylinder() {
-        [&programmed, &target].map(|point| act.seen(point)).map(|[x, y, _]| [x, y])
+        [&programmed, &target].map(|point| act.channel().seen(point)).map(|[x, y, _]| [x, y])
     } else {
-        [&from, &to].map(|point| polar.part(&act.state.place, point))
+        [&from, &to].map(|point| polar.part(&act.channel().state.place, point))
     };
     let [start, end] = spots;
-    let tolerance = if act.env.machine.unit == Unit::Inch { 0.01 / 25.4 } else { 0.01 };
+    let tolerance = if act.channel().env.machine.unit == Unit::Inch { 0.01 / 25.4 } else { 0.01 };
     let made = match radius {
         Some(radius) => geometry::by_radius(start, end, radius, clockwise, tolerance),
         None => {
@@ -131,7 +132,8 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
         let text = format!("the end is {off:.4} off the circle in '{}'", act.block_text());
         act.diagnose(&diag::ARC_END_OFF, text);
     }
-    let local = act.state.place.frames.as_deref().filter(|_| polar.cartesian).map(|frames| *frames.local.map());
+    let local =
+        act.channel().state.place.frames.as_deref().filter(|_| polar.cartesian).map(|frames| *frames.local.map());
     if polar.is_cylinder() && !(local.is_none_or(|map| map.is_shift()) && super::cylinder::in_plane(act, &polar)) {
         let text = format!(
             "the circle of '{}' is not in the plane of the cylinder's surface, or a frame turns, scales or mirrors it",
@@ -141,17 +143,17 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
         return Ok(());
     }
     let local = local.filter(|_| !polar.is_cylinder());
-    let level = act.seen(&programmed)[2];
+    let level = act.channel().seen(&programmed)[2];
     let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
-        let done = act.becomes(&diag::ARC_SCALED, STRAIGHT);
+        let done = act.channel().becomes(&diag::ARC_SCALED, STRAIGHT);
         let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.block_text());
         act.diagnose(&diag::ARC_SCALED, text);
         return act.feed_to(coded, to, feed, unit);
     };
     let turns = if (0.0..=999.0).contains(&turns) { turns as u16 } else { 0 };
     let made = made.with_turns(turns);
-    let spot = polar.part(&act.state.place, &to);
-    polar.reach(&act.state.place, &mut to, spot, way_round(&made));
+    let spot = polar.part(&act.channel().state.place, &to);
+    polar.reach(&act.channel().state.place, &mut to, spot, way_round(&made));
     act.circle_to(&Circle { made, coded, from, to, axes: polar.axes(), turns, feed, unit, screw: None })
 }
 
@@ -161,7 +163,7 @@ fn center_words(act: &Act<'_, '_>, polar: &Polar) -> [Option<DataId>; 2] {
     if !polar.is_cylinder() {
         return [Some(data::ARC_CENTER_X), Some(data::ARC_CENTER_Y)];
     }
-    let [x, _, z] = act.state.place.layout.cartesian;
+    let [x, _, z] = act.channel().state.place.layout.cartesian;
     let id = |axis| match Some(axis) {
         axis if axis == x => data::ARC_CENTER_X,
         axis if axis == z => data::ARC_CENTER_Z,
@@ -194,21 +196,22 @@ impl Act<'_, '_> {
     #[cold]
     pub(super) fn circle_of_part(&mut self, polar: Polar, circle: &Circle) -> Acted {
         let Circle { made, coded, from, to, feed, unit, .. } = *circle;
-        let changes = self.feed_changes(&from, &to);
-        let others = self.state.place.layout.axes.ids().filter(|axis| *axis != polar.linear && *axis != polar.rotary);
+        let changes = self.channel().feed_changes(&from, &to);
+        let others =
+            self.channel().state.place.layout.axes.ids().filter(|axis| *axis != polar.linear && *axis != polar.rotary);
         let rise = others.map(|axis| changes.at(axis) * changes.at(axis)).sum::<f64>();
         let length = (made.length() * made.length() + rise).sqrt();
         let path = Path { from: &from, to: &to, length: made.length(), arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.at_rates(seconds, &from, &to, Some(&made));
-        let moving = self.moving(coded, &self.changes(&from, &to)) | polar.linear.bit() | polar.rotary.bit();
+        let moving = self.moving(coded, &self.channel().changes(&from, &to)) | polar.linear.bit() | polar.rotary.bit();
         let feed = (feed.unwrap_or(0.0), unit);
         if polar.is_cylinder() {
             let side = usize::from(polar.axes()[1] == polar.linear);
             self.check_swing(&to, polar.linear, made.turning_points(side))?;
         }
         let mut motion = Motion::straight(MotionKind::Linear, moving, [from, to], feed, length);
-        if let Some(center) = polar.on_face(&self.state.place, made.center) {
+        if let Some(center) = polar.on_face(&self.channel().state.place, made.center) {
             (motion.center, motion.plane_axes) = (center, [polar.linear, polar.rotary].map(|axis| axis.index() as u8));
         }
         self.travel(seconds, &motion)
@@ -216,7 +219,7 @@ impl Act<'_, '_> {
 
     /// Takes the word of an axis of the interpolation, in the axis's own unit.
     pub(super) fn take_polar(&mut self, polar: Polar, axis: AxisSlot) -> Option<Datum> {
-        let Axis { data: id, scale, .. } = self.state.place.layout.axes[axis];
+        let Axis { data: id, scale, .. } = self.channel().state.place.layout.axes[axis];
         let registers = |id: DataId| self.registers_of(id);
         if polar.cartesian && axis != polar.rotary && registers(id) & registers(data::C2P_INTERP_Y) != 0 {
             // A word across is none of the axis that has its letter.
@@ -232,7 +235,7 @@ impl Act<'_, '_> {
         // The words of the interpolation are radii.
         let scale = if polar.is_cylinder() { 1.0 } else { scale };
         let radius = own.and_then(|own| self.take(own)).map(|datum| Datum { value: datum.value / scale, ..datum });
-        let spare = axis == polar.rotary && polar.cartesian && self.axis_of_data(data::AXIS_Y).is_none();
+        let spare = axis == polar.rotary && polar.cartesian && self.channel().axis_of_data(data::AXIS_Y).is_none();
         let across = radius.or_else(|| if spare { self.take(data::AXIS_Y) } else { None });
         across.or_else(|| {
             // A word of the rotary axis itself is in degrees, but the value taken here is the length along the circle.
@@ -245,6 +248,10 @@ impl Act<'_, '_> {
     /// Length of a feed move on the part, or of its tool path.
     #[inline(always)]
     pub(super) fn feed_path(&self, changes: &Position, feed_length: f64) -> f64 {
-        if self.state.place.frames.is_some() && self.polar().is_some() { feed_length } else { self.tool_path(changes) }
+        if self.channel().state.place.frames.is_some() && self.channel().polar().is_some() {
+            feed_length
+        } else {
+            self.tool_path(changes)
+        }
     }
 }

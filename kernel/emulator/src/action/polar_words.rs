@@ -20,9 +20,9 @@ pub(crate) const ENTRIES: &[Entry] = &[
 ];
 
 fn switch(act: &mut Act<'_, '_>, on: bool) -> Acted {
-    if on || act.state.place.frames.is_some() {
-        act.frames().words = on.then(PolarWords::default);
-        act.frames_changed();
+    if on || act.channel().state.place.frames.is_some() {
+        act.channel_mut().frames().words = on.then(PolarWords::default);
+        act.channel_mut().frames_changed();
     }
     super::mode::mode(act, if on { "polar words on" } else { "polar words off" })
 }
@@ -30,46 +30,46 @@ fn switch(act: &mut Act<'_, '_>, on: bool) -> Acted {
 impl Act<'_, '_> {
     /// Axes whose words are a radius and an angle.
     pub(super) fn polar_axes(&self) -> Option<[AxisSlot; 2]> {
-        let frames = self.state.place.frames.as_deref()?;
+        let frames = self.channel().state.place.frames.as_deref()?;
         frames.words.filter(|_| frames.polar.is_none())?;
-        let plane = plane(self.state.modal.code(group::PLANE)?)?;
-        let axis = |role: usize| self.state.place.layout.cartesian.get(role).copied().flatten();
+        let plane = plane(self.channel().state.modal.code(group::PLANE)?)?;
+        let axis = |role: usize| self.channel().state.place.layout.cartesian.get(role).copied().flatten();
         Some([axis(plane.first)?, axis(plane.second)?])
     }
 
     /// Takes their words and puts the point into a target; returns the bits of the axes that it sets.
     pub(super) fn take_polar_words(&mut self, axes: [AxisSlot; 2], from: &Position, target: &mut Position) -> u8 {
         let [radius, angle] = axes.map(|axis| self.take_axis(axis));
-        let relative = self.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+        let relative = self.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
         let is_distance = |word: &Datum| word.incremental || relative && !word.absolute;
         let words = PolarWords {
             radius: radius.map(|word| (word.value, is_distance(&word))),
             // An angle has no unit of length.
             angle: angle.map(|word| (word.raw, is_distance(&word))),
         };
-        self.frames().words = Some(words);
+        self.channel_mut().frames().words = Some(words);
         if radius.is_none() && angle.is_none() {
             return 0;
         }
-        words.put(&self.state.place, axes, from, target);
+        words.put(&self.channel().state.place, axes, from, target);
         axes[0].bit() | axes[1].bit()
     }
 
     /// Goes on by the words of the block once more, from where the tool is.
     pub(super) fn polar_words_again(&self, target: &mut Position) {
-        let words = self.state.place.frames.as_deref().and_then(|frames| frames.words);
+        let words = self.channel().state.place.frames.as_deref().and_then(|frames| frames.words);
         let words = words.filter(|words| words.radius.is_some() || words.angle.is_some());
         if let (Some(words), Some(axes)) = (words, self.polar_axes()) {
-            words.put(&self.state.place, axes, &self.programmed(), target);
+            words.put(&self.channel().state.place, axes, &self.channel().programmed(), target);
         }
     }
 
     /// Reads words as positions of axes for once.
     pub(super) fn without_polar_words<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> T {
-        let words = self.state.place.frames.as_deref_mut().and_then(|frames| frames.words.take());
+        let words = self.channel_mut().state.place.frames.as_deref_mut().and_then(|frames| frames.words.take());
         let done = read(self);
         if words.is_some() {
-            self.frames().words = words;
+            self.channel_mut().frames().words = words;
         }
         done
     }

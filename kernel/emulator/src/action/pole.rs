@@ -24,10 +24,10 @@ enum From {
 
 fn set(act: &mut Act<'_, '_>, from: From) -> Acted {
     let from = match from {
-        From::Tool => act.programmed(),
+        From::Tool => act.channel().programmed(),
         From::Zero => Default::default(),
-        From::Pole => act.state.arcs.pole,
+        From::Pole => act.channel().state.arcs.pole,
     };
     act.set_pole(from);
-    act.check_stop()
+    act.channel().check_stop()
 }

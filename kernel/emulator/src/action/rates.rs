@@ -119,25 +119,26 @@ impl Act<'_, '_> {
     /// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
     #[cold]
     pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&Arc>) -> f64 {
-        if let Some(tip) = self.tip() {
-            let seconds = match self.state.others.tip.follow {
+        if let Some(tip) = self.channel().tip() {
+            let seconds = match self.channel().state.others.tip.follow {
                 Some(limit) => {
-                    let place = &self.state.place;
+                    let place = &self.channel().state.place;
                     let ways =
                         (0..=PLACES).map(|at| tip.following(place, [from, to], f64::from(at) / f64::from(PLACES)));
                     seconds.max(ways.fold(0.0, f64::max) / limit * 60.0)
                 }
                 None => seconds,
             };
-            let turns = self.state.place.layout.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
+            let turns =
+                self.channel().state.place.layout.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
             return turns
                 .map(|(axis, (a, b))| (b - a).abs() / axis.rapid)
                 .filter(|t| t.is_finite())
                 .fold(seconds, f64::max);
         }
-        let Some(polar) = self.polar() else { return seconds };
-        let rate = self.state.place.layout.axes[polar.rotary].rapid;
-        let [start, end] = [from, to].map(|point| polar.part(&self.state.place, point));
+        let Some(polar) = self.channel().polar() else { return seconds };
+        let rate = self.channel().state.place.layout.axes[polar.rotary].rapid;
+        let [start, end] = [from, to].map(|point| polar.part(&self.channel().state.place, point));
         let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), Arc::length);
         let turned = (to.at(polar.rotary) - from.at(polar.rotary)).abs();
         if !(rate > 0.0 && seconds > 0.0 && seconds.is_finite() && turned.is_finite()) {

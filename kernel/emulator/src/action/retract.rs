@@ -33,22 +33,27 @@ fn back(act: &mut Act<'_, '_>) -> Acted {
 
 /// Feed of the block, none where the block or the mode is rapid.
 pub(super) fn rate(act: &mut Act<'_, '_>) -> Rate {
-    let rapid = act.block.pending.iter().any(|pending| act.env.machine.codes[pending.row].id == codes::RAPID)
-        || act.state.modal.code(group::MOTION) == Some(codes::RAPID);
+    let rapid = act
+        .channel()
+        .block
+        .pending
+        .iter()
+        .any(|pending| act.channel().env.machine.codes[pending.row].id == codes::RAPID)
+        || act.channel().state.modal.code(group::MOTION) == Some(codes::RAPID);
     if rapid { None } else { Some(act.feed()) }
 }
 
 /// Direction from the tip to the spindle: that of the head, on a machine without rotary axes the normal of the plane.
 fn along(act: &Act<'_, '_>, machine: &Position) -> Option<Point> {
-    if !act.can_tilt() {
+    if !act.channel().can_tilt() {
         let [x, y, z] = UNITS;
-        return Some(match act.state.modal.code(group::PLANE) {
+        return Some(match act.channel().state.modal.code(group::PLANE) {
             Some(codes::PLANE_ZX) => y,
             Some(codes::PLANE_YZ) => x,
             _ => z,
         });
     }
-    let chain = act.chain();
+    let chain = act.channel().chain();
     unit(chain.head(|axis| machine.at(axis)).direction(chain.tool))
 }
 
@@ -66,22 +71,24 @@ pub(super) fn go(act: &mut Act<'_, '_>, coded: u8, target: Position, rate: Rate)
 /// Retracts the tool along its axis; below zero up to the reference point of the axis that moves most, unless the tool is
 /// beyond that, or to the end of travel.
 pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
-    let mut machine = act.machine_point(&act.state.place.position);
+    let mut machine = act.channel().machine_point(&act.channel().state.place.position);
     let Some(along) = along(act, &machine) else { return Ok(()) };
     let axes: Vec<(AxisSlot, f64)> = {
-        let layout = &act.state.place.layout;
+        let layout = &act.channel().state.place.layout;
         let of = |(axis, part): (&Option<AxisSlot>, f64)| axis.map(|axis| (axis, part / layout.axes[axis].scale));
         layout.cartesian.iter().zip(along).filter_map(of).filter(|(_, part)| part.abs() > 1e-9).collect()
     };
     let way = if way < 0.0 {
         let of = |(axis, part): &(AxisSlot, f64), end: f64| (end - machine.at(*axis)) / part;
         let ends = axes.iter().filter_map(|one @ (axis, part)| {
-            let (low, high) = act.state.place.layout.axes[*axis].limits?;
+            let (low, high) = act.channel().state.place.layout.axes[*axis].limits?;
             Some(of(one, if *part > 0.0 { high } else { low }))
         });
         // The limits of a large machine are beyond the reference point of a smaller one, at which the axis ends.
         let steepest = axes.iter().max_by(|(_, one), (_, other)| one.abs().total_cmp(&other.abs()));
-        let home = steepest.map(|one| of(one, act.state.place.layout.axes[one.0].home)).filter(|way| *way > -ROUNDING);
+        let home = steepest
+            .map(|one| of(one, act.channel().state.place.layout.axes[one.0].home))
+            .filter(|way| *way > -ROUNDING);
         ends.chain(home).min_by(f64::total_cmp).unwrap_or(0.0).max(0.0)
     } else {
         way
@@ -90,6 +97,6 @@ pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
         *machine.at_mut(*axis) += part * way;
     }
     let coded = axes.iter().fold(0, |bits, (axis, _)| bits | axis.bit());
-    let target = act.way_of_machine(&machine);
+    let target = act.channel().way_of_machine(&machine);
     go(act, coded, target, rate)
 }

@@ -26,13 +26,14 @@ pub(super) fn probe(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     // A probe needs no turning spindle.
-    let look_above = std::mem::replace(&mut act.reports.plausible.look_above, f64::INFINITY);
+    let look_above = std::mem::replace(&mut act.channel_mut().reports.plausible.look_above, f64::INFINITY);
     let moved = act.feed_to(coded, target, feed, unit);
-    act.reports.plausible.look_above = look_above;
+    act.channel_mut().reports.plausible.look_above = look_above;
     moved?;
-    act.stop_path();
-    *act.state.skip = Probing { result: 2.0, end: act.state.place.position, block: act.at.blocks };
-    if act.state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
+    act.channel_mut().stop_path();
+    *act.channel_mut().state.skip =
+        Probing { result: 2.0, end: act.channel().state.place.position, block: act.channel().at.blocks };
+    if act.channel().state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
         let text = format!("the probe made no contact in '{}'", act.block_text());
         act.diagnose(&diag::PROBE_MISSED, text);
     }

@@ -35,7 +35,7 @@ pub(super) fn turn(act: &mut Act<'_, '_>, number: u16, direction: Direction, coo
         super::coolant::with_spindle(act, on);
     }
     if matches!(direction, Direction::Clockwise | Direction::CounterClockwise) {
-        act.state.others.spindles.started = number;
+        act.channel_mut().state.others.spindles.started = number;
     }
     commanded(act, number, |act| {
         let angle = match direction {
@@ -55,15 +55,16 @@ pub(super) fn turn(act: &mut Act<'_, '_>, number: u16, direction: Direction, coo
 /// Lets an action command the spindle that speeds belong to: the active one, or that of the spindle code in the block,
 /// else that started last (`[control] speed_owner`).
 fn with_speed_owner(act: &mut Act<'_, '_>, action: impl FnOnce(&mut Act<'_, '_>) -> Acted) -> Acted {
-    if !act.env.machine.habits.speed_follows_codes {
+    if !act.channel().env.machine.habits.speed_follows_codes {
         return action(act);
     }
-    let machine = act.env.machine;
-    let mut numbers = act.block.pending.iter().filter_map(|pending| match machine.codes[pending.row].id.kind() {
-        CodeKind::Spindle { number, .. } => Some(number),
-        _ => None,
-    });
-    let number = numbers.next().unwrap_or(act.state.others.spindles.started);
+    let machine = act.channel().env.machine;
+    let mut numbers =
+        act.channel().block.pending.iter().filter_map(|pending| match machine.codes[pending.row].id.kind() {
+            CodeKind::Spindle { number, .. } => Some(number),
+            _ => None,
+        });
+    let number = numbers.next().unwrap_or(act.channel().state.others.spindles.started);
     commanded(act, number, action)
 }
 
@@ -77,7 +78,7 @@ pub(super) fn drop_data(act: &mut Act<'_, '_>) {
 /// Constant surface speed on.
 pub(super) fn css(act: &mut Act<'_, '_>) -> Acted {
     let speed = take_speed(act, true);
-    let driver = act.state.others.spindles.driver.unwrap_or(act.at.channel);
+    let driver = act.channel().state.others.spindles.driver.unwrap_or(act.channel().at.channel);
     act.command_spindle(|c| {
         c.css = true;
         c.driver = driver;
@@ -112,10 +113,10 @@ pub(super) fn limit(act: &mut Act<'_, '_>) -> Acted {
 
 /// The channel whose X drives constant surface speed.
 pub(super) fn driver(act: &mut Act<'_, '_>, channel: u16) -> Acted {
-    if !act.env.machine.channels.iter().any(|known| known.number == channel) {
+    if !act.channel().env.machine.channels.iter().any(|known| known.number == channel) {
         return no_head(act, f64::from(channel));
     }
-    act.state.others.spindles.driver = Some(channel);
+    act.channel_mut().state.others.spindles.driver = Some(channel);
     act.command_spindle(|c| c.driver = channel)
 }
 
@@ -131,7 +132,7 @@ pub(super) fn radial(act: &mut Act<'_, '_>) -> Acted {
 
 /// Stops, orients or reverses the spindle inside a cycle; it stays as it is when it is stopped.
 pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted {
-    if act.state.spindle.id.is_none() {
+    if act.channel().state.spindle.id.is_none() {
         return Ok(());
     }
     act.command_spindle(|c| c.direction = direction)
@@ -139,7 +140,7 @@ pub(super) fn turn_inside(act: &mut Act<'_, '_>, direction: Direction) -> Acted 
 
 /// An S word that no code took: changes the speed (reference control-emulator.md 3.3).
 pub(crate) fn speed_word(act: &mut Act<'_, '_>) -> Acted {
-    if act.state.place.frames.is_some() {
+    if act.channel().state.place.frames.is_some() {
         cutter::before(act, Contour::Commands, codes::SPINDLE_RPM)?;
     }
     with_speed_owner(act, own_speed_word)
@@ -148,8 +149,8 @@ pub(crate) fn speed_word(act: &mut Act<'_, '_>) -> Acted {
 fn own_speed_word(act: &mut Act<'_, '_>) -> Acted {
     let css = act.spindle_command()?.css;
     match take_speed(act, css) {
-        Some(speed) if !act.env.machine.habits.speed_word => {
-            act.state.others.spindles.waiting = Some(speed);
+        Some(speed) if !act.channel().env.machine.habits.speed_word => {
+            act.channel_mut().state.others.spindles.waiting = Some(speed);
             Ok(())
         }
         Some(speed) => act.command_spindle(|c| set_speed(c, css, Some(speed))),
@@ -169,10 +170,10 @@ pub(super) fn tap_speed(act: &mut Act<'_, '_>) -> Acted {
 fn take_speed(act: &mut Act<'_, '_>, css: bool) -> Option<f64> {
     let word = act.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM });
     if let Some(word) = word {
-        act.state.remembered.remember_speed(word.raw);
+        act.channel_mut().state.remembered.remember_speed(word.raw);
     }
     let word = word.map(|word| word.value);
-    let waiting = act.state.others.spindles.waiting.take();
+    let waiting = act.channel_mut().state.others.spindles.waiting.take();
     word.or(waiting)
 }
 
@@ -187,10 +188,10 @@ fn set_speed(command: &mut Command, css: bool, speed: Option<f64>) {
 
 /// Speed that turns now, rev/min.
 fn held_speed(act: &mut Act<'_, '_>) -> Result<f64, Halt> {
-    let position = act.contour();
-    let radius = act.radius(&position);
+    let position = act.channel().contour();
+    let radius = act.channel().radius(&position);
     Ok(match act.spindle_speed()? {
         Some(turning) => turning.rpm(radius),
-        None => act.state.spindle.command.rpm,
+        None => act.channel().state.spindle.command.rpm,
     })
 }

@@ -1,9 +1,9 @@
 //! Which spindle of a channel is active: the front or the rear one when it turns the part, the milling one when it
 //! mills.
 //!
-//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. *Invariant:* the active spindle is that of
-//! `Kernel::spindle`. Commands of the channel for its other spindles are kept here, unless another channel can command
-//! them too.
+//! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 9. *Invariant:* the active spindle is the one that
+//! `Act::command_spindle` commands. Commands of the channel for its other spindles are kept here, unless another channel
+//! can command them too.
 
 use crate::act::Act;
 use crate::action::entry::Entry;
@@ -24,21 +24,21 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 /// `CODE_SPINDLE_FRONT`, `CODE_SPINDLE_REAR`: their group says which one it is.
 pub(super) fn in_work(act: &mut Act<'_, '_>, rear: bool) -> Acted {
-    if act.acting.mode_changed {
+    if act.channel().acting.mode_changed {
         let text = if rear { "spindle rear" } else { "spindle front" };
         act.emit(0, Kind::mode(text));
     }
-    act.follow_spindle();
+    act.channel_mut().follow_spindle();
     Ok(())
 }
 
 /// `CODE_APPLY_TURN`, `CODE_APPLY_MILL`.
 pub(super) fn apply(act: &mut Act<'_, '_>, milling: bool) -> Acted {
-    if act.state.others.spindles.milling != milling {
-        act.state.others.spindles.milling = milling;
+    if act.channel().state.others.spindles.milling != milling {
+        act.channel_mut().state.others.spindles.milling = milling;
         let text = if milling { "apply mill" } else { "apply turn" };
         act.emit(0, Kind::mode(text));
-        act.follow_spindle();
+        act.channel_mut().follow_spindle();
     }
     Ok(())
 }
@@ -46,9 +46,9 @@ pub(super) fn apply(act: &mut Act<'_, '_>, milling: bool) -> Acted {
 /// Lets an action command a spindle of the channel: `number` 0 = by codes without a number.
 pub(super) fn commanded(act: &mut Act<'_, '_>, number: u16, action: impl FnOnce(&mut Act<'_, '_>) -> Acted) -> Acted {
     let id = if number == 0 {
-        act.plain_spindle()
+        act.channel().plain_spindle()
     } else {
-        let id = act.env.machine.spindles.find(|spindle| spindle.number == number);
+        let id = act.channel().env.machine.spindles.find(|spindle| spindle.number == number);
         if id.is_none() {
             let text = format!("the machine has no spindle {number} for '{}'", act.block_text());
             act.diagnose(&diag::NO_SPINDLE, text);
@@ -57,10 +57,10 @@ pub(super) fn commanded(act: &mut Act<'_, '_>, number: u16, action: impl FnOnce(
         }
         id
     };
-    let before = act.state.spindle.id;
-    act.select_spindle(id);
+    let before = act.channel().state.spindle.id;
+    act.channel_mut().select_spindle(id);
     let done = action(act);
-    act.select_spindle(before);
+    act.channel_mut().select_spindle(before);
     done
 }
 
@@ -71,7 +71,7 @@ pub(super) fn driver_by_id(act: &mut Act<'_, '_>) -> Acted {
         act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
-    let known = act.env.machine.channels.iter().find(|channel| f64::from(channel.number) == id);
+    let known = act.channel().env.machine.channels.iter().find(|channel| f64::from(channel.number) == id);
     match known.map(|channel| channel.number) {
         Some(channel) => super::spindle::driver(act, channel),
         None => no_head(act, id),

@@ -18,19 +18,19 @@ pub(crate) const ENTRIES: &[Entry] = &[
 pub(super) fn stop(act: &mut Act<'_, '_>, stop: Stop) -> Acted {
     match stop {
         Stop::Program => {
-            act.stop_path();
+            act.channel_mut().stop_path();
             act.emit(0, Kind::Stop(stop));
             Ok(())
         }
         Stop::Optional => {
-            if act.env.options.opstop {
-                act.stop_path();
+            if act.channel().env.options.opstop {
+                act.channel_mut().stop_path();
                 act.emit(0, Kind::Stop(stop));
             }
             Ok(())
         }
         // Inside a subprogram an end code returns or ends the program, depending on the control.
-        Stop::End | Stop::Rewind if act.call_depth() > 1 && !act.env.machine.subprograms.end_ends => {
+        Stop::End | Stop::Rewind if act.call_depth() > 1 && !act.channel().env.machine.subprograms.end_ends => {
             act.return_from(None);
             Ok(())
         }

@@ -20,8 +20,8 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 /// Sets the area and switches it on, or off.
 fn switch(act: &mut Act<'_, '_>, on: bool) -> Acted {
-    let habits = act.env.machine.habits.stored_limits;
-    let mut area = act.state.place.stored.as_deref().copied().unwrap_or_default();
+    let habits = act.channel().env.machine.habits.stored_limits;
+    let mut area = act.channel().state.place.stored.as_deref().copied().unwrap_or_default();
     if on {
         let ids = [
             [data::STORED_LIMIT_X, data::STORED_LIMIT_END_X],
@@ -29,8 +29,8 @@ fn switch(act: &mut Act<'_, '_>, on: bool) -> Acted {
             [data::STORED_LIMIT_Z, data::STORED_LIMIT_END_Z],
         ];
         for (role, [high, low]) in ids.into_iter().enumerate() {
-            let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten() else { continue };
-            let shift = if habits.in_work_frame { act.state.place.shift.at(axis) } else { 0.0 };
+            let Some(axis) = act.channel().state.place.layout.cartesian.get(role).copied().flatten() else { continue };
+            let shift = if habits.in_work_frame { act.channel().state.place.shift.at(axis) } else { 0.0 };
             let said = [low, high].map(|id| act.take(id).map(|datum| datum.value + shift));
             let Some(ends) = area.ends.get_mut(role) else { continue };
             for (end, said) in ends.iter_mut().zip(said) {
@@ -45,7 +45,7 @@ fn switch(act: &mut Act<'_, '_>, on: bool) -> Acted {
     }
     area.on = on;
     area.keep_out = habits.forbidden == Forbidden::Inside;
-    let place = &mut act.state.place;
+    let place = &mut act.channel_mut().state.place;
     place.stored = (area != StoredArea::default()).then(|| Box::new(area));
     place.layout.bounds.limited = on || place.layout.axes.iter().any(|axis| axis.limits.is_some());
     Ok(())

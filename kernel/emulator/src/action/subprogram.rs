@@ -43,7 +43,7 @@ pub(super) fn call(act: &mut Act<'_, '_>) -> Acted {
         return Err(act.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
     let id = id as u32;
-    let (number, packed) = match act.env.machine.subprograms.call {
+    let (number, packed) = match act.channel().env.machine.subprograms.call {
         // O0012 called 3 times is P30012; a number of up to four digits is only that.
         CallForm::RepeatAndNumber if repeat.is_none() && id > 9999 => (id % 10_000, id / 10_000),
         _ => (id, 1),

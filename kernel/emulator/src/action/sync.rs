@@ -33,9 +33,9 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// A mark of the main and the side head: both wait for equal numbers, for any words.
 fn by_heads(act: &mut Act<'_, '_>, id: DataId, letter: char) -> Acted {
     let number = act.take(id).map_or(0.0, |d| d.value) as u32;
-    let heads = waits::heads(act.env.machine);
-    let off = act.env.machine.sync.dialect == SyncDialect::None || ignores_waits(act);
-    if off || !heads.has(act.at.channel) || act.env.machine.channels.len() < 2 {
+    let heads = waits::heads(act.channel().env.machine);
+    let off = act.channel().env.machine.sync.dialect == SyncDialect::None || ignores_waits(act);
+    if off || !heads.has(act.channel().at.channel) || act.channel().env.machine.channels.len() < 2 {
         return pass(act);
     }
     act.wait_for(waits::head_mark(letter, number, heads))
@@ -43,7 +43,7 @@ fn by_heads(act: &mut Act<'_, '_>, id: DataId, letter: char) -> Acted {
 
 /// Whether the job says that the channel never waits.
 fn ignores_waits(act: &Act<'_, '_>) -> bool {
-    act.env.options.ignore_waits.contains(&act.at.channel)
+    act.channel().env.options.ignore_waits.contains(&act.channel().at.channel)
 }
 
 fn pass(act: &mut Act<'_, '_>) -> Acted {
@@ -55,18 +55,18 @@ fn pass(act: &mut Act<'_, '_>) -> Acted {
 fn by_row(act: &mut Act<'_, '_>, row: &CodeRow) -> Acted {
     let number = act.take(data::SYNC).map_or(0.0, |d| d.value) as u32;
     let list = act.take(data::SYNC_PATHS).map(|d| d.raw);
-    if act.at.channel == 0 || !waits::is_on(act.env.machine, row) {
+    if act.channel().at.channel == 0 || !waits::is_on(act.channel().env.machine, row) {
         return pass(act);
     }
-    let said = Said { channel: act.at.channel, number, list };
-    let line_up = act.block.line_up.and_then(|word| {
-        let job = (act.env.info, act.env.sources);
-        waits::of_systems(act.env.machine, job, row, (act.at.channel, word))
+    let said = Said { channel: act.channel().at.channel, number, list };
+    let line_up = act.channel().block.line_up.and_then(|word| {
+        let job = (act.channel().env.info, act.channel().env.sources);
+        waits::of_systems(act.channel().env.machine, job, row, (act.channel().at.channel, word))
     });
-    match line_up.unwrap_or_else(|| waits::meaning(act.env.machine, row, said)) {
+    match line_up.unwrap_or_else(|| waits::meaning(act.channel().env.machine, row, said)) {
         Ok(Meaning::Act(deed, shown)) => act.let_continue(deed, shown),
         _ if ignores_waits(act) => pass(act),
-        Ok(Meaning::Wait(wait)) if waits::is_for_nobody(&wait, act.at.channel) => pass(act),
+        Ok(Meaning::Wait(wait)) if waits::is_for_nobody(&wait, act.channel().at.channel) => pass(act),
         Ok(Meaning::Wait(wait)) => act.wait_for(wait),
         Err(reason) => {
             let text = format!("{reason} in '{}'", act.block_text());
@@ -78,34 +78,40 @@ fn by_row(act: &mut Act<'_, '_>, row: &CodeRow) -> Acted {
 /// Balance cutting on or off. Both channels wait at the code; between the codes each block waits before its first cut.
 fn balance(act: &mut Act<'_, '_>, on: bool) -> Acted {
     let list = act.take(data::SYNC_PATHS).map(|d| d.raw);
-    let active = act.state.others.balance.take();
-    let off = act.env.machine.sync.dialect == SyncDialect::None || act.at.channel == 0;
+    let active = act.channel_mut().state.others.balance.take();
+    let off = act.channel().env.machine.sync.dialect == SyncDialect::None || act.channel().at.channel == 0;
     if off || ignores_waits(act) || (!on && active.is_none()) {
         return if on { pass(act) } else { Ok(()) };
     }
     let wait = match active.filter(|_| !on) {
-        Some(wait) => balance::at(act.env.machine, &wait, Stage::Off),
-        None => match balance::wait(act.env.machine, Said { channel: act.at.channel, number: 0, list }) {
-            Ok(wait) => wait,
-            Err(reason) => {
-                let text = format!("PS0163 {reason} in '{}'", act.block_text());
-                return Err(act.alarm(&diag::BALANCE_ILLEGAL, text));
+        Some(wait) => balance::at(act.channel().env.machine, &wait, Stage::Off),
+        None => {
+            match balance::wait(act.channel().env.machine, Said { channel: act.channel().at.channel, number: 0, list })
+            {
+                Ok(wait) => wait,
+                Err(reason) => {
+                    let text = format!("PS0163 {reason} in '{}'", act.block_text());
+                    return Err(act.alarm(&diag::BALANCE_ILLEGAL, text));
+                }
             }
-        },
+        }
     };
     act.wait_for(wait)?;
-    act.state.others.balance = on.then(|| balance::at(act.env.machine, &wait, Stage::Cut));
+    act.channel_mut().state.others.balance = on.then(|| balance::at(act.channel().env.machine, &wait, Stage::Cut));
     Ok(())
 }
 
 /// A start by one of the heads: the head that the code names lets the other head continue, which waits for it.
 fn start(act: &mut Act<'_, '_>, by: u16) -> Acted {
-    let heads = waits::heads(act.env.machine);
+    let heads = waits::heads(act.channel().env.machine);
     // The code names a head by its place: the first or the second channel.
     let by = heads.iter().nth(usize::from(by).saturating_sub(1)).unwrap_or(by);
-    let off = act.env.machine.sync.dialect == SyncDialect::None;
-    let gives = act.at.channel == by && !off;
-    if !heads.has(act.at.channel) || act.env.machine.channels.len() < 2 || !gives && (off || ignores_waits(act)) {
+    let off = act.channel().env.machine.sync.dialect == SyncDialect::None;
+    let gives = act.channel().at.channel == by && !off;
+    if !heads.has(act.channel().at.channel)
+        || act.channel().env.machine.channels.len() < 2
+        || !gives && (off || ignores_waits(act))
+    {
         return pass(act);
     }
     let (deed, wait) = waits::start(by, heads);

@@ -65,11 +65,11 @@ fn execute(act: &mut Act<'_, '_>, tilt: Tilt) -> Acted {
             turn(act, Some(behind))
         }
         Tilt::Side(positive) => {
-            act.state.others.tilt.side = Some(positive);
+            act.channel_mut().state.others.tilt.side = Some(positive);
             Ok(())
         }
         Tilt::Table => {
-            act.state.others.tilt.table = true;
+            act.channel_mut().state.others.tilt.table = true;
             Ok(())
         }
     }
@@ -77,8 +77,8 @@ fn execute(act: &mut Act<'_, '_>, tilt: Tilt) -> Acted {
 
 /// Ends the plane; `false` if there was none.
 fn end(act: &mut Act<'_, '_>) -> bool {
-    act.state.others.tilt = Default::default();
-    let ended = act.end_tilt();
+    act.channel_mut().state.others.tilt = Default::default();
+    let ended = act.channel_mut().end_tilt();
     if ended {
         act.emit(0, Kind::mode("tilt off"));
     }
@@ -93,7 +93,8 @@ fn undefined(act: &mut Act<'_, '_>, why: &str) -> Halt {
 
 /// The alarm for a channel without rotary axes.
 fn no_axes(act: &mut Act<'_, '_>) -> Halt {
-    let text = format!("the axes of channel {} do not tilt the tool in '{}'", act.at.channel, act.block_text());
+    let text =
+        format!("the axes of channel {} do not tilt the tool in '{}'", act.channel().at.channel, act.block_text());
     act.alarm(&diag::NO_TIP_AXES, text)
 }
 
@@ -102,28 +103,28 @@ fn define(act: &mut Act<'_, '_>, form: Form, add: bool) -> Acted {
     let defined = read(act, form, add)?;
     // A further block may complete it.
     let Some(Defined { plane, angles }) = defined else { return Ok(()) };
-    if !act.can_tilt() {
+    if !act.channel().can_tilt() {
         return Err(no_axes(act));
     }
-    if act.polar().is_some() {
+    if act.channel().polar().is_some() {
         return Err(undefined(act, "interpolation on a face or a cylinder is active"));
     }
-    let map = act.around_plane(add).after(&plane);
+    let map = act.channel().around_plane(add).after(&plane);
     // Feeds and lengths are those of the plane.
     if (map.determinant().abs() - 1.0).abs() > 1e-9 {
         return Err(undefined(act, "a plane does not lie in scaled coordinates"));
     }
     let angles = match angles {
         Some(angles) => Ok(Some(angles)),
-        None if act.env.machine.kinematics.tilting.assumed => act.angles_into(&map).map(Some),
+        None if act.channel().env.machine.kinematics.tilting.assumed => act.channel().angles_into(&map).map(Some),
         None => Ok(None),
     };
-    act.state.others.tilt = Default::default();
+    act.channel_mut().state.others.tilt = Default::default();
     let angles = match angles {
         Ok(angles) => angles,
         Err(why) => return unreached(act, why),
     };
-    if !act.tilt(map, angles) {
+    if !act.channel_mut().tilt(map, angles) {
         return Err(undefined(act, "the plane has no way back"));
     }
     let text = act.tilt_text();
@@ -186,7 +187,7 @@ fn read(act: &mut Act<'_, '_>, of_code: Form, add: bool) -> Result<Option<Define
         }
         Form::Positions => {
             let said = positions(act);
-            let made = act.plane_at(&said);
+            let made = act.channel().plane_at(&said);
             angles = Some(said);
             made
         }
@@ -227,7 +228,7 @@ fn order(digits: Option<f64>) -> Option<[usize; 3]> {
 fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
     let mut taken = ids.map(|id| act.take(id).map(|datum| datum.value));
     for (role, slot) in taken.iter_mut().enumerate() {
-        *slot = slot.map(|value| value * act.state.place.scale_of(role));
+        *slot = slot.map(|value| value * act.channel().state.place.scale_of(role));
     }
     taken
 }
@@ -239,18 +240,18 @@ fn numbers(act: &mut Act<'_, '_>) -> [Option<f64>; 9] {
 /// Positions of the rotary axes by their words, otherwise by the numbers of the form in the order of the axes; others
 /// stay.
 fn positions(act: &mut Act<'_, '_>) -> Turned {
-    let chain = act.chain();
+    let chain = act.channel().chain();
     let tilts = |axis: &AxisSlot| chain.tables.iter().chain(&chain.heads).any(|joint| joint.axis == *axis);
-    let axes: Vec<AxisSlot> = act.state.place.layout.axes.ids().filter(tilts).collect();
+    let axes: Vec<AxisSlot> = act.channel().state.place.layout.axes.ids().filter(tilts).collect();
     let mut words = Vec::new();
     for axis in &axes {
-        words.push(act.take(act.state.place.layout.axes[*axis].data).map(|datum| datum.value));
+        words.push(act.take(act.channel().state.place.layout.axes[*axis].data).map(|datum| datum.value));
     }
     if words.iter().all(Option::is_none) {
         words = numbers(act).to_vec();
     }
     let position = |(axis, word): (&AxisSlot, Option<f64>)| {
-        (*axis, word.map_or_else(|| act.stand(*axis).at, |word| act.machine_angle(*axis, word)))
+        (*axis, word.map_or_else(|| act.channel().stand(*axis).at, |word| act.channel().machine_angle(*axis, word)))
     };
     axes.iter().zip(words).map(position).collect()
 }
@@ -264,7 +265,7 @@ fn parts(
 ) -> Result<Option<Defined>, Halt> {
     let last = if points { 3 } else { 2 };
     let started = forget_parts(act);
-    if started.is_none() && act.tilted().is_some() {
+    if started.is_none() && act.channel().tilted().is_some() {
         return Err(undefined(act, "a plane is active already"));
     }
     if started.as_ref().is_some_and(|started| started.points != points) {
@@ -293,7 +294,7 @@ fn parts(
         all.rotation = rotation;
     }
     if part < f64::from(last) {
-        act.frames().parts = Some(Box::new(all));
+        act.channel_mut().frames().parts = Some(Box::new(all));
         return Ok(None);
     }
     let point = |at: usize| -> Point {
@@ -318,21 +319,21 @@ fn parts(
 
 /// Takes away the blocks of a definition that is not complete.
 fn forget_parts(act: &mut Act<'_, '_>) -> Option<Box<Parts>> {
-    let parts = act.state.place.frames.as_deref_mut()?.parts.take()?;
-    act.frames_changed();
+    let parts = act.channel_mut().state.place.frames.as_deref_mut()?.parts.take()?;
+    act.channel_mut().frames_changed();
     Some(parts)
 }
 
 /// Turns the rotary axes into the plane; `keep`: a point so far behind the tip keeps its place on the part.
 fn turn(act: &mut Act<'_, '_>, keep: Option<f64>) -> Acted {
-    let known = act.tilted().map(|tilt| (*tilt.map(), tilt.angles.clone()));
+    let known = act.channel().tilted().map(|tilt| (*tilt.map(), tilt.angles.clone()));
     let angles = match known {
         Some((_, Some(angles))) => Ok(angles),
-        Some((map, None)) => act.angles_into(&map),
-        None if !act.can_tilt() => return Err(no_axes(act)),
-        None => act.angles_into(&Affine::SAME),
+        Some((map, None)) => act.channel().angles_into(&map),
+        None if !act.channel().can_tilt() => return Err(no_axes(act)),
+        None => act.channel().angles_into(&Affine::SAME),
     };
-    act.state.others.tilt = Default::default();
+    act.channel_mut().state.others.tilt = Default::default();
     let angles = match angles {
         Ok(angles) => angles,
         Err(why) => return unreached(act, why),
@@ -341,34 +342,34 @@ fn turn(act: &mut Act<'_, '_>, keep: Option<f64>) -> Acted {
     if let Some(way) = act.take(data::TILT_RETRACT).map(|datum| datum.value) {
         retract(act, way, feed)?;
     }
-    let own = act.tip().is_some();
-    let lifted = act.lift_plane();
+    let own = act.channel().tip().is_some();
+    let lifted = act.channel_mut().lift_plane();
     if let Some(behind) = keep.filter(|_| !own) {
-        act.keep_tip(behind, false);
+        act.channel_mut().keep_tip(behind, false);
     }
     let mut coded = 0;
-    let target = if act.tip().is_some() {
-        let mut target = act.state.place.position;
+    let target = if act.channel().tip().is_some() {
+        let mut target = act.channel().state.place.position;
         for (axis, angle) in &angles {
-            *target.at_mut(*axis) = angle - act.state.place.shift.at(*axis);
+            *target.at_mut(*axis) = angle - act.channel().state.place.shift.at(*axis);
         }
         target
     } else {
-        let mut machine = act.machine_point(&act.state.place.position);
+        let mut machine = act.channel().machine_point(&act.channel().state.place.position);
         for (axis, angle) in &angles {
             *machine.at_mut(*axis) = *angle;
         }
-        act.way_of_machine(&machine)
+        act.channel().way_of_machine(&machine)
     };
     for (axis, _) in &angles {
         coded |= axis.bit();
     }
     go(act, coded, target, feed)?;
     if keep.is_some() && !own {
-        act.end_tip();
+        act.channel_mut().end_tip();
     }
     if let Some(lifted) = lifted {
-        act.turned_into(lifted, angles);
+        act.channel_mut().turned_into(lifted, angles);
     }
     Ok(())
 }
@@ -385,11 +386,11 @@ impl Act<'_, '_> {
 
     /// The plane in the words of the listing: its zero and the directions of its X and Z in the frame around it.
     pub(crate) fn tilt_text(&self) -> String {
-        let Some(map) = self.tilted().map(|tilt| *tilt.map()) else { return "tilt off".to_owned() };
+        let Some(map) = self.channel().tilted().map(|tilt| *tilt.map()) else { return "tilt off".to_owned() };
         let list = |point: Point| point.map(|value| wildcard_text((value * 1e6).round() / 1e6 + 0.0)).join(",");
         let mut zero = map.point([0.0; 3]);
         for (role, slot) in zero.iter_mut().enumerate() {
-            *slot /= self.state.place.scale_of(role);
+            *slot /= self.channel().state.place.scale_of(role);
         }
         let [x, _, z] = UNITS.map(|unit| list(map.direction(unit)));
         format!("tilt zero={} x={x} z={z}", list(zero))

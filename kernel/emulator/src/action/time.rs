@@ -36,13 +36,14 @@ pub(super) struct Path<'a> {
 impl Act<'_, '_> {
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = if !self.couples() {
-            self.changes(from, to)
+        let changes = if !self.channel().couples() {
+            self.channel().changes(from, to)
         } else {
-            self.changes(&self.machine_point(from), &self.machine_point(to))
+            self.channel().changes(&self.channel().machine_point(from), &self.channel().machine_point(to))
         };
-        match self.env.machine.time.rapid {
+        match self.channel().env.machine.time.rapid {
             RapidPath::SlowestAxis => self
+                .channel()
                 .state
                 .place
                 .layout
@@ -57,7 +58,7 @@ impl Act<'_, '_> {
             RapidPath::Linear => {
                 let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let (mut speed, mut acceleration, mut jerk) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
-                for (axis, change) in self.state.place.layout.axes.iter().zip(&changes) {
+                for (axis, change) in self.channel().state.place.layout.axes.iter().zip(&changes) {
                     if *change != 0.0 {
                         let share = length / change.abs();
                         speed = speed.min(axis.rapid * share);
@@ -76,9 +77,9 @@ impl Act<'_, '_> {
     /// move.
     #[cold]
     fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
-        let least = self.env.machine.habits.least_feed;
+        let least = self.channel().env.machine.habits.least_feed;
         let how = match least {
-            _ if !self.goes_on_at(facts) => "no part of the block acts".to_owned(),
+            _ if !self.channel().goes_on_at(facts) => "no part of the block acts".to_owned(),
             Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
             None => "the move is timed as rapid".to_owned(),
         };
@@ -99,12 +100,12 @@ impl Act<'_, '_> {
     #[cold]
     fn no_feed(&mut self, feed: Option<f64>) -> Acted {
         let (facts, what) = lack(feed);
-        if self.goes_on_at(facts) {
+        if self.channel().goes_on_at(facts) {
             return Ok(());
         }
         let text = format!("{what} '{}', no part of the block acts", self.block_text());
         self.diagnose(facts, text);
-        self.check_stop()
+        self.channel().check_stop()
     }
 
     /// Seconds of a feed move; falls back to the rapid time (with a diagnostic) when there is no usable feed.
@@ -120,7 +121,7 @@ impl Act<'_, '_> {
         };
         let seconds = match unit {
             FeedUnit::PerMinute => {
-                if feed > self.reports.plausible.look_above {
+                if feed > self.channel().reports.plausible.look_above {
                     self.look_at_feed(feed, path)?;
                 }
                 self.paced(path, feed / 60.0)
@@ -128,7 +129,7 @@ impl Act<'_, '_> {
             FeedUnit::InverseTime => 60.0 / feed,
             FeedUnit::PerRevolution => match self.revolution_minutes(path, feed)? {
                 Some(minutes) => {
-                    if path.length > minutes * self.reports.plausible.look_above_revolutions {
+                    if path.length > minutes * self.channel().reports.plausible.look_above_revolutions {
                         self.look_at_revolutions(path.length / minutes)?;
                     }
                     minutes * 60.0
@@ -145,15 +146,15 @@ impl Act<'_, '_> {
 
     /// Seconds at a steady speed, with speed changes at both ends under exact stop.
     fn paced(&self, path: &Path<'_>, speed: f64) -> f64 {
-        let exact =
-            self.block.flags.exact_stop || self.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
+        let exact = self.channel().block.flags.exact_stop
+            || self.channel().state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
         // Where moves are planned ahead, the stop is planned as well.
-        if !exact || self.pace.is_some() {
+        if !exact || self.channel().pace.is_some() {
             return path.length / speed;
         }
-        let changes = self.changes(path.from, path.to);
+        let changes = self.channel().changes(path.from, path.to);
         let mut acceleration = f64::INFINITY;
-        for (axis, change) in self.state.place.layout.axes.iter().zip(&changes) {
+        for (axis, change) in self.channel().state.place.layout.axes.iter().zip(&changes) {
             if *change != 0.0
                 && let Some(a) = axis.dynamics.acceleration
             {
@@ -168,20 +169,20 @@ impl Act<'_, '_> {
         let Some(speed) = self.speed_of_cut()? else {
             let text = format!(
                 "{} in '{}' with feed per revolution, the move is timed as rapid",
-                self.stopped_spindle(),
+                stopped(self.channel()),
                 self.block_text()
             );
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(None);
         };
-        use crate::state::spindle::Turning;
+        use crate::state::spindle::{Turning, stopped};
         let minutes = match speed {
             Turning::Fixed(rpm) => path.length / (feed * rpm),
             Turning::Driven(driven, elapsed) => driven.minutes_of(elapsed, path.length / feed),
             Turning::Surface(surface) => match path.arc {
                 Some((arc, Some(radial))) => surface.arc_minutes(arc, radial, feed) * path.length / arc.length(),
                 _ => {
-                    let [start, end] = [path.from, path.to].map(|p| self.radius(p));
+                    let [start, end] = [path.from, path.to].map(|p| self.channel().radius(p));
                     surface.line_minutes(start, end, path.length, feed)
                 }
             },

@@ -47,18 +47,19 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
         frame::length_on(act, number as u32);
     }
     let follow = act.take(data::TIP_FEED).map(|feed| feed.value).filter(|feed| *feed > 0.0);
-    let was = act.end_tip();
-    if !act.start_tip(number.is_some()) {
-        let text = format!("the axes of channel {} do not allow TCP in '{}'", act.at.channel, act.block_text());
+    let was = act.channel_mut().end_tip();
+    if !act.channel_mut().start_tip(number.is_some()) {
+        let text =
+            format!("the axes of channel {} do not allow TCP in '{}'", act.channel().at.channel, act.block_text());
         act.diagnose(&diag::NO_TIP_AXES, text);
         return Ok(());
     }
-    let changed = act.state.others.tip.method != method || !was;
+    let changed = act.channel().state.others.tip.method != method || !was;
     if follow.is_some() || !was {
-        act.state.others.tip.follow = follow;
+        act.channel_mut().state.others.tip.follow = follow;
     }
-    act.state.others.tip.method = method;
-    act.state.others.tip.format = act.state.others.tip.format.max(1);
+    act.channel_mut().state.others.tip.method = method;
+    act.channel_mut().state.others.tip.format = act.channel().state.others.tip.format.max(1);
     if changed {
         let text = match method {
             2 => "rtcp on method=2",
@@ -72,10 +73,10 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
 
 /// Switches tool tip control off. A move that compensation holds back has points of the tip, so it is executed first.
 pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
-    if act.tip().is_some() {
+    if act.channel().tip().is_some() {
         act.flush_lookahead()?;
     }
-    if act.end_tip() {
+    if act.channel_mut().end_tip() {
         act.emit(0, Kind::mode("rtcp off"));
     }
     Ok(())
@@ -83,8 +84,8 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
 
 /// How the orientation is written from here on.
 pub(super) fn orient(act: &mut Act<'_, '_>, format: u8) -> Acted {
-    act.state.others.tip.format = format;
-    if act.acting.mode_changed {
+    act.channel_mut().state.others.tip.format = format;
+    if act.channel().acting.mode_changed {
         let name = NAMES.get(usize::from(format).wrapping_sub(1)).copied().unwrap_or("axes");
         act.emit(0, Kind::mode(format!("rtcp orient {name}")));
     }
@@ -126,8 +127,8 @@ impl Act<'_, '_> {
         (coded, target): (u8, Position),
         go: impl FnOnce(&mut Self, u8, Position) -> Acted,
     ) -> Acted {
-        match self.tip() {
-            Some(_) if self.state.others.tip.method == AT_ENDS => self.straight_at_ends((coded, target), go),
+        match self.channel().tip() {
+            Some(_) if self.channel().state.others.tip.method == AT_ENDS => self.straight_at_ends((coded, target), go),
             _ => go(self, coded, target),
         }
     }
@@ -138,26 +139,28 @@ impl Act<'_, '_> {
         (coded, target): (u8, Position),
         go: impl FnOnce(&mut Self, u8, Position) -> Acted,
     ) -> Acted {
-        let from = self.state.place.position;
-        let of = |rotary: bool| self.state.place.layout.axes.entries().filter(move |(_, axis)| axis.rotary == rotary);
+        let from = self.channel().state.place.position;
+        let of = |rotary: bool| {
+            self.channel().state.place.layout.axes.entries().filter(move |(_, axis)| axis.rotary == rotary)
+        };
         if of(true).all(|(slot, _)| from.at(slot) == target.at(slot)) {
             return go(self, coded, target);
         }
-        if self.is_compensated() {
+        if self.channel().is_compensated() {
             let text = format!("rotary axes cannot turn under compensation of the radius in '{}'", self.block_text());
             return Err(self.alarm(&diag::REFUSED, text));
         }
-        let mut machine = self.machine_point(&target);
+        let mut machine = self.channel().machine_point(&target);
         if of(false).all(|(slot, _)| coded & slot.bit() == 0) {
-            let stands = self.machine_point(&from);
+            let stands = self.channel().machine_point(&from);
             for (slot, _) in of(false) {
                 *machine.at_mut(slot) = stands.at(slot);
             }
         }
-        self.end_tip();
-        let target = self.point_of_machine(&machine);
+        self.channel_mut().end_tip();
+        let target = self.channel().point_of_machine(&machine);
         let done = go(self, coded, target);
-        self.start_tip(false);
+        self.channel_mut().start_tip(false);
         done
     }
 
@@ -165,30 +168,32 @@ impl Act<'_, '_> {
     /// frame.
     #[cold]
     pub(super) fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let format = self.state.others.tip.format;
+        let format = self.channel().state.others.tip.format;
         let words = usize::from(format).checked_sub(2).and_then(|at| WORDS.get(at)).copied();
-        let (Some(words), Some(_)) = (words, self.tip()) else { return (coded, target) };
+        let (Some(words), Some(_)) = (words, self.channel().tip()) else { return (coded, target) };
         let given = words.map(|id| self.take(id).map(|datum| datum.value));
         if given.iter().all(Option::is_none) {
             return (coded, target);
         }
-        if self.state.place.layout.axes.entries().any(|(slot, axis)| axis.rotary && coded & slot.bit() != 0) {
+        if self.channel().state.place.layout.axes.entries().any(|(slot, axis)| axis.rotary && coded & slot.bit() != 0) {
             let text = format!("'{}' has angles as well as a tool direction; the direction counts", self.block_text());
             self.diagnose(&diag::TIP_WORDS_MIXED, text);
         }
-        let mut values = match self.env.machine.kinematics.missing {
-            Missing::Keep => self.state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default(),
+        let mut values = match self.channel().env.machine.kinematics.missing {
+            Missing::Keep => {
+                self.channel().state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default()
+            }
             Missing::Zero => Point::default(),
         };
         for (slot, given) in values.iter_mut().zip(given) {
             *slot = given.unwrap_or(*slot);
         }
-        if let Some(slot) = self.state.others.tip.words.get_mut(usize::from(format)) {
+        if let Some(slot) = self.channel_mut().state.others.tip.words.get_mut(usize::from(format)) {
             *slot = values;
         }
-        let tip = self.state.place.geometry(&self.program_point(&target));
+        let tip = self.channel().state.place.geometry(&self.channel().program_point(&target));
         let wanted = direction(format, values, tip);
-        let wanted = wanted.map(|wanted| match self.state.place.frames.as_deref() {
+        let wanted = wanted.map(|wanted| match self.channel().state.place.frames.as_deref() {
             Some(frames) => frames.direction(wanted),
             None => wanted,
         });
@@ -208,15 +213,15 @@ impl Act<'_, '_> {
 
     /// The solution with the least turning that stays within the limits, near where the axes are.
     pub(crate) fn shortest(&self, direction: Point) -> Option<Vec<(AxisSlot, f64)>> {
-        let chain = self.chain();
+        let chain = self.channel().chain();
         let rule = Rule { turns: Turns::Nearest, way: Way::Least, side: None, free: Free::Stays };
-        let pairs = chain.pairs(direction, &rule, |axis| self.stand(axis));
+        let pairs = chain.pairs(direction, &rule, |axis| self.channel().stand(axis));
         let any = !pairs.iter().any(|pair| pair.inside);
         let pick = pairs.iter().filter(|pair| any || pair.inside);
-        let chosen = chain.choose(pick, &rule, |axis| self.stand(axis))?;
+        let chosen = chain.choose(pick, &rule, |axis| self.channel().stand(axis))?;
         let work = |(axis, angle): &(AxisSlot, f64)| {
-            let stands = self.state.place.position.at(*axis);
-            (*axis, clean(angle - self.state.place.shift.at(*axis), stands) + 0.0)
+            let stands = self.channel().state.place.position.at(*axis);
+            (*axis, clean(angle - self.channel().state.place.shift.at(*axis), stands) + 0.0)
         };
         Some(chosen.angles.iter().map(work).collect())
     }

@@ -20,7 +20,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
     let Some(word) = tool_word(act) else { return Ok(()) };
     let (tool, offset) = split(act, word);
-    act.state.place.tools.chosen = true;
+    act.channel_mut().state.place.tools.chosen = true;
     act.tool_event(ToolAction::Select, tool, offset, 0)
 }
 
@@ -28,42 +28,44 @@ pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
     // Tool 0 empties the spindle. If the word has an offset number, T0000 cancels the offset and the turret does not
     // turn.
-    let empties = act.env.machine.tool.offset_digits == 0;
+    let empties = act.channel().env.machine.tool.offset_digits == 0;
     let (tool, offset) = match tool_word(act) {
         Some(word) => split(act, word),
-        None if act.state.place.tools.chosen || act.state.place.tools.selected > 0 => {
-            (act.state.place.tools.selected, if empties { 0 } else { act.state.place.in_force.tool_offset })
-        }
+        None if act.channel().state.place.tools.chosen || act.channel().state.place.tools.selected > 0 => (
+            act.channel().state.place.tools.selected,
+            if empties { 0 } else { act.channel().state.place.in_force.tool_offset },
+        ),
         None => {
             let text = format!("no tool is selected for '{}'", act.block_text());
             act.diagnose(&diag::DATA_MISSING, text);
             return Ok(());
         }
     };
-    let changes = tool != act.state.place.tools.current && (tool != 0 || empties);
+    let changes = tool != act.channel().state.place.tools.current && (tool != 0 || empties);
     let seconds = if changes { change_seconds(act, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
     let ns = crate::state::channel::nanoseconds(seconds);
     act.note_effect();
-    if changes && act.env.machine.tool.change_motion {
+    if changes && act.channel().env.machine.tool.change_motion {
         super::change_point::before_load(act)?;
     }
     act.tool_event(action, tool, offset, ns)?;
-    if act.env.machine.tool.offset_digits > 0 {
+    if act.channel().env.machine.tool.offset_digits > 0 {
         missing_offset(act, offset);
-        let other = act.state.place.in_force.tool_offset != offset;
-        act.state.place.in_force.tool_offset = offset;
+        let other = act.channel().state.place.in_force.tool_offset != offset;
+        act.channel_mut().state.place.in_force.tool_offset = offset;
         act.reframe();
         // Compensation continues with the nose of the new offset.
         if other
-            && let Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) = act.state.modal.code(group::DIAMETER)
+            && let Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) =
+                act.channel().state.modal.code(group::DIAMETER)
         {
             super::cutter::switched(act, code)?;
         }
     }
-    if empties && act.state.place.in_force.tool_offset != 0 {
+    if empties && act.channel().state.place.in_force.tool_offset != 0 {
         // The offset of a tool word of another component of the machine ends with its tool.
-        act.state.place.in_force.tool_offset = 0;
+        act.channel_mut().state.place.in_force.tool_offset = 0;
         act.reframe();
     }
     act.report_tool();
@@ -72,10 +74,12 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
 
 /// Reports a tool offset that has no values; on a machine without any tool offsets once, as a remark.
 fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
-    let machine = act.env.machine;
+    let machine = act.channel().env.machine;
     if !machine.tool.offsets.is_empty() {
         missing_among_listed(act, offset);
-    } else if has_no_values(act, offset) && !std::mem::replace(&mut act.state.place.tools.offsets_reported, true) {
+    } else if has_no_values(act, offset)
+        && !std::mem::replace(&mut act.channel_mut().state.place.tools.offsets_reported, true)
+    {
         let text = format!(
             "machine {} has no tool offsets: offset {offset} of '{}' and all others are zero",
             machine.name,
@@ -87,7 +91,7 @@ fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
 
 /// Reports a tool offset that has no values, if the machine or its table of tools gives values to others.
 pub(super) fn missing_among_listed(act: &mut Act<'_, '_>, offset: u32) {
-    let machine = act.env.machine;
+    let machine = act.channel().env.machine;
     if machine.tool.offsets.is_empty() || !has_no_values(act, offset) {
         return;
     }
@@ -99,7 +103,7 @@ pub(super) fn missing_among_listed(act: &mut Act<'_, '_>, offset: u32) {
 /// A tool offset by its tool, as programs call it, where programs do not give numbers of offsets: an edge of a tool, or a
 /// tool of a control that calls tools by name.
 pub(super) fn in_words(act: &Act<'_, '_>, offset: u32) -> Option<String> {
-    let (rows, tools) = (&act.env.machine.tool, &act.state.others.tools);
+    let (rows, tools) = (&act.channel().env.machine.tool, &act.channel().state.others.tools);
     let named = |tool: u32| {
         let known = rows.facts(tool).map(|facts| facts.name.as_str()).filter(|name| !name.is_empty());
         match tools.called.name_of(tool).or(known) {
@@ -112,14 +116,14 @@ pub(super) fn in_words(act: &Act<'_, '_>, offset: u32) -> Option<String> {
     }
     rows.named_from?;
     // Allowances and indexes of a tool have rows of their own.
-    let loaded = act.state.place.tools.current;
+    let loaded = act.channel().state.place.tools.current;
     let own = tools.called.name_of(offset).is_some() || rows.facts(offset).is_some() || loaded == 0;
     Some(named(if own { offset } else { loaded }))
 }
 
 fn has_no_values(act: &Act<'_, '_>, offset: u32) -> bool {
-    let set = act.state.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
-    offset != 0 && !set && act.env.machine.tool.offsets.iter().all(|known| known.number != offset)
+    let set = act.channel().state.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
+    offset != 0 && !set && act.channel().env.machine.tool.offsets.iter().all(|known| known.number != offset)
 }
 
 fn tool_word(act: &mut Act<'_, '_>) -> Option<f64> {
@@ -129,7 +133,7 @@ fn tool_word(act: &mut Act<'_, '_>) -> Option<f64> {
 /// Tool and offset number of a tool word.
 fn split(act: &Act<'_, '_>, word: f64) -> (u32, u32) {
     let word = word as u32;
-    let digits = u32::from(act.env.machine.tool.offset_digits);
+    let digits = u32::from(act.channel().env.machine.tool.offset_digits);
     match 10_u32.checked_pow(digits) {
         Some(power) if digits > 0 => (word / power, word % power),
         _ => (word, 0),
@@ -138,10 +142,10 @@ fn split(act: &Act<'_, '_>, word: f64) -> (u32, u32) {
 
 /// Constant part, plus the steps of the turret the shorter way round.
 fn change_seconds(act: &Act<'_, '_>, tool: u32) -> f64 {
-    let time = &act.env.machine.time;
+    let time = &act.channel().env.machine.time;
     let stations = time.stations;
     let steps = if stations > 0 {
-        let from = act.state.place.tools.current.saturating_sub(1) % stations;
+        let from = act.channel().state.place.tools.current.saturating_sub(1) % stations;
         let to = tool.saturating_sub(1) % stations;
         let ahead = (to + stations - from) % stations;
         ahead.min(stations - ahead)

@@ -35,14 +35,14 @@ struct Sides {
 
 /// Makes a circle whose points are those of the program.
 pub(super) fn circle(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle) -> Acted {
-    let map = act.state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
+    let map = act.channel().state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
     let Some(sides) = sides(&map, plane) else {
-        let done = act.becomes(&diag::ARC_SCALED, STRAIGHT);
+        let done = act.channel().becomes(&diag::ARC_SCALED, STRAIGHT);
         let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.block_text());
         act.diagnose(&diag::ARC_SCALED, text);
         return act.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
     };
-    let work = act.contour();
+    let work = act.channel().contour();
     match roles(&sides) {
         Some(roles) => flat(act, &map, (plane, roles), (circle, sides.scale), work),
         None => leaning(act, plane, circle, sides.scale),
@@ -97,10 +97,10 @@ fn flat(
     (circle, scale): (&Circle, f64),
     from: Position,
 ) -> Acted {
-    let axes = roles.map(|role| act.state.place.layout.cartesian.get(role).copied().flatten());
+    let axes = roles.map(|role| act.channel().state.place.layout.cartesian.get(role).copied().flatten());
     let [Some(first), Some(second)] = axes else { return Ok(()) };
-    let to = act.work_point(&circle.to);
-    let mut middle = act.state.place.geometry(&circle.from);
+    let to = act.channel_mut().work_point(&circle.to);
+    let mut middle = act.channel().state.place.geometry(&circle.from);
     for (role, value) in [plane.first, plane.second].into_iter().zip(circle.made.center) {
         if let Some(slot) = middle.get_mut(role) {
             *slot = value;
@@ -108,7 +108,7 @@ fn flat(
     }
     let pick = |point: Point| roles.map(|role| point.get(role).copied().unwrap_or(0.0));
     let center = pick(map.point(middle));
-    let start = pick(act.state.place.geometry(&from));
+    let start = pick(act.channel().state.place.geometry(&from));
     // The other way round where the frame mirrors the plane.
     let unit = |role: usize| pick(map.direction(Vector3::ith(role, 1.0).into()));
     let ([a, b], [c, d]) = (unit(plane.first), unit(plane.second));
@@ -124,7 +124,7 @@ fn flat(
 
 /// A circle between the axes, in straight pieces that stay near to it.
 fn leaning(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle, scale: f64) -> Acted {
-    let near = match act.env.machine.unit {
+    let near = match act.channel().env.machine.unit {
         Unit::Mm => 0.001,
         Unit::Inch => 0.001 / 25.4,
     };
@@ -143,7 +143,7 @@ fn leaning(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle, scale: f64) -> 
         let angle = made.start_angle + made.sweep * share;
         let at = [made.center[0] + made.radius * libm::cos(angle), made.center[1] + made.radius * libm::sin(angle)];
         for ((axis, value), role) in circle.axes.into_iter().zip(at).zip([plane.first, plane.second]) {
-            *target.at_mut(axis) = value / act.state.place.scale_of(role);
+            *target.at_mut(axis) = value / act.channel().state.place.scale_of(role);
         }
         act.feed_to_point(circle.coded, target, feed, circle.unit)?;
     }

@@ -25,13 +25,13 @@ const SHORTEST: u16 = 151;
 fn shortest(act: &mut Act<'_, '_>, on: bool) -> Acted {
     let axes: Vec<AxisSlot> = {
         let takes = |(_, axis): &(AxisSlot, &crate::state::position::Axis)| {
-            axis.rotary && axis.limits.is_none() && act.env.machine.axes[axis.machine].turn == Turn::Position
+            axis.rotary && axis.limits.is_none() && act.channel().env.machine.axes[axis.machine].turn == Turn::Position
         };
-        act.state.place.layout.axes.entries().filter(takes).map(|(slot, _)| slot).collect()
+        act.channel().state.place.layout.axes.entries().filter(takes).map(|(slot, _)| slot).collect()
     };
-    let was = axes.iter().any(|axis| act.state.place.layout.angles & axis.bit() != 0);
+    let was = axes.iter().any(|axis| act.channel().state.place.layout.angles & axis.bit() != 0);
     let bits = axes.iter().fold(0, |bits, axis| bits | axis.bit());
-    let angles = &mut act.state.place.layout.angles;
+    let angles = &mut act.channel_mut().state.place.layout.angles;
     *angles = if on { *angles | bits } else { *angles & !bits };
     if was && !on {
         for axis in axes {
@@ -47,10 +47,11 @@ impl Act<'_, '_> {
     #[cold]
     #[inline(never)]
     pub(super) fn turned_to(&self, axis: AxisSlot, from: f64, word: f64, away: f64) -> f64 {
-        let turn = self.env.machine.axes[self.state.place.layout.axes[axis].machine].turn;
-        let as_written = turn == Turn::Position && self.state.modal.code(SHORTEST) != Some(codes::ANGLES_SHORTEST);
+        let turn = self.channel().env.machine.axes[self.channel().state.place.layout.axes[axis].machine].turn;
+        let as_written =
+            turn == Turn::Position && self.channel().state.modal.code(SHORTEST) != Some(codes::ANGLES_SHORTEST);
         // Polar interpolation takes the word as a length.
-        if as_written || self.polar().is_some() {
+        if as_written || self.channel().polar().is_some() {
             return word - away;
         }
         let angle = if turn == Turn::Sign { word.abs() } else { word };
@@ -73,7 +74,7 @@ impl Act<'_, '_> {
 
     /// The point of a roll-over axis that is nearest to its position; for another axis the point itself.
     pub(super) fn next_to(&self, axis: AxisSlot, stands: f64, point: f64) -> f64 {
-        match self.env.machine.axes[self.state.place.layout.axes[axis].machine].turn {
+        match self.channel().env.machine.axes[self.channel().state.place.layout.axes[axis].machine].turn {
             Turn::Position => point,
             Turn::Shortest | Turn::Sign => stands + (point - stands + 180.0).rem_euclid(360.0) - 180.0,
         }

@@ -8,7 +8,7 @@ use super::Kernel;
 use crate::state::Running;
 use crate::state::channel::nanoseconds;
 use counterpoint_event::event::{Function, Kind, MotionKind};
-use counterpoint_machine::rows::{CodeForm, CodeRow, Overlap};
+use counterpoint_machine::rows::{CodeRow, Overlap};
 use counterpoint_program::block::PendingCode;
 
 /// Where the functions that end with their block are kept, and those that end before the next move at feed.
@@ -18,7 +18,7 @@ impl Kernel<'_> {
     /// Time of a code from the machine's table.
     pub(crate) fn take_time(&mut self, row: &CodeRow, pending: PendingCode) {
         let ns = nanoseconds(row.seconds);
-        let (letter, value) = self.written(row, pending);
+        let (letter, value) = (self.channel.env.machine.letter_of(&row.form), pending.value);
         if self.runs_beside(row.overlap, (letter, value), ns) {
             self.emit(0, Kind::Function(Function { letter, value }));
             return;
@@ -65,17 +65,5 @@ impl Kernel<'_> {
             self.emit(left, Kind::Function(Function { letter, value }));
             self.channel.advance(left);
         }
-    }
-
-    /// Letter and value of a code as written.
-    pub(crate) fn written(&self, row: &CodeRow, pending: PendingCode) -> (char, f64) {
-        let register = match row.form {
-            CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(register),
-            CodeForm::Text(_) | CodeForm::NotApplicable => None,
-        };
-        let letter = register
-            .and_then(|register| self.channel.env.machine.registers[register].name.chars().next())
-            .unwrap_or('?');
-        (letter, pending.value)
     }
 }

@@ -15,7 +15,7 @@ use counterpoint_sync::tag::Tag;
 use super::Kernel;
 use super::access::Door;
 use crate::state::channel::nanoseconds;
-use crate::state::spindle::{AssumedSpeed, Turning};
+use crate::state::spindle::Turning;
 
 /// Changes of the speed by less than this share do not count.
 const STEADY: f64 = 0.01;
@@ -39,7 +39,8 @@ impl Kernel<'_> {
         if (radii[0] - radii[1]).abs() < SAME_RADIUS {
             return Ok(false);
         }
-        let speed = self.surface_speed(&command);
+        let speed =
+            self.channel.state.spindle.surface_speed(self.channel.env.machine, self.channel.state.secondary, &command);
         let by_revolution = motion.feed_unit == FeedUnit::PerRevolution;
         let progress = if by_revolution { Progress::ByRevolution } else { Progress::ByTime };
         let (begin, minutes) = (self.channel.now(), seconds / 60.0);
@@ -126,49 +127,10 @@ impl Kernel<'_> {
         self.speed_from_now()
     }
 
-    /// The rotation of the spindle while another channel drives it.
-    pub(super) fn driven_by_other(&self) -> Option<Turning> {
-        let (state, now) = (&self.channel.state.spindle, self.channel.now());
-        match state.course.filter(|course| now < course.time[1]) {
-            Some(course) => Some(Turning::Driven(course.driven, course.elapsed(now))),
-            None => (state.now > 0.0).then_some(Turning::Fixed(state.now)),
-        }
-    }
-
-    /// Records that a move or dwell that starts now was timed with the spindle speed known now.
-    #[inline(always)]
-    pub(crate) fn assume_speed(&mut self, seconds: f64) {
-        if self.channel.state.spindle.shared && !self.channel.reports.plausible.changed_speed {
-            let (line, changes) = (self.channel.at.line, self.channel.state.spindle.changes);
-            let begin = self.channel.now();
-            let time = [begin, begin.saturating_add(nanoseconds(seconds))];
-            self.channel.state.spindle.assumed = Some(AssumedSpeed { line, time, changes });
-        }
-    }
-
     /// Before the channel waits or ends: checks the speed during its last move, unless that has been checked already.
     #[inline(always)]
     pub(crate) fn compare_last_speed(&mut self) -> Acted {
         if self.channel.state.spindle.assumed.is_some() { self.current().map(drop) } else { Ok(()) }
-    }
-
-    /// The number of speed changes known when the last time was computed with a speed, and the end of that time, once
-    /// it is over.
-    pub(super) fn ended_assumption(&self) -> Option<(u64, i64)> {
-        let now = self.channel.now();
-        let assumed = self.channel.state.spindle.assumed.filter(|assumed| assumed.time[0] < now)?;
-        Some((assumed.changes, assumed.time[1].min(now)))
-    }
-
-    /// `spindle 1 (MAIN) is stopped`, with the other channel if that stopped it.
-    pub(crate) fn stopped_spindle(&self) -> String {
-        let state = &self.channel.state.spindle;
-        let Some(id) = state.id else { return "channel without a spindle".to_owned() };
-        let spindle = &self.channel.env.machine.spindles[id];
-        let by = state.changed.filter(|(_, channel)| state.shared && *channel != self.channel.at.channel);
-        let by =
-            by.map_or_else(String::new, |(t, channel)| format!(" by channel {channel} at {:.3} s", t as f64 / 1e9));
-        format!("spindle {} ({}) is stopped{by}", spindle.number, spindle.name)
     }
 
     /// Closes the last time that was computed with a speed; `change` is the time at which another channel changed the

@@ -5,13 +5,12 @@
 //! shared operations; an own one is plain state of the channel.
 
 use counterpoint_fault::{Acted, Halt};
-use counterpoint_motion::surface_speed::Speed;
 
 use super::Kernel;
 use super::access::Door;
+use crate::state::channel::Channel;
 use crate::state::spindle::Turning;
 use counterpoint_event::event::{Direction, Kind, Spindle as SpindleEvent};
-use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
 use counterpoint_machine::index::SpindleId;
 use counterpoint_sync::races::Mode;
@@ -36,7 +35,7 @@ impl Kernel<'_> {
         let channel = self.channel.at.channel;
         let mut conflict = 0;
         if self.channel.state.spindle.shared {
-            let (now, was) = (self.channel.now(), (before, self.spindle_range()));
+            let (now, was) = (self.channel.now(), (before, self.channel.state.spindle.range(self.channel.env.machine)));
             let (command, writer) = self.access(Door::Spindle, Mode::Write, |shared| {
                 let Some(spindle) = shared.spindles.get_mut(id.index()) else { return (Command::default(), 0) };
                 let changed = spindle.change(change, was, (now, channel));
@@ -72,7 +71,7 @@ impl Kernel<'_> {
             change(&mut self.channel.state.spindle.command);
             return Ok(());
         }
-        let was = (self.turning_speed()?, self.spindle_range());
+        let was = (self.turning_speed()?, self.channel.state.spindle.range(self.channel.env.machine));
         let at = (self.channel.now(), self.channel.at.channel);
         let command = self.access(Door::Spindle, Mode::Write, |shared| {
             shared.spindles.get_mut(id.index()).map(|spindle| {
@@ -126,7 +125,7 @@ impl Kernel<'_> {
         if self.channel.state.spindle.shared
             && let Some(id) = self.channel.state.spindle.id
         {
-            let ended = self.ended_assumption();
+            let ended = self.channel.state.spindle.ended_assumption(self.channel.now());
             let channel = self.channel.at.channel;
             let known = self.access(Door::Spindle, Mode::Read, |shared| {
                 let spindle = shared.spindles.get(id.index())?;
@@ -153,7 +152,8 @@ impl Kernel<'_> {
         if !turns && !self.channel.state.cycle.is_rigid() {
             return Ok(None);
         }
-        let speed = self.surface_speed(&command);
+        let Channel { env, state, .. } = &self.channel;
+        let speed = state.spindle.surface_speed(env.machine, state.secondary, &command);
         if !command.css {
             let rpm = if command.rpm > 0.0 { command.rpm.max(command.least).min(speed.max) } else { command.rpm };
             return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
@@ -162,37 +162,13 @@ impl Kernel<'_> {
             return Ok(None);
         }
         if command.driver != self.channel.at.channel && command.radius <= 0.0 {
-            return Ok(self.driven_by_other());
+            return Ok(state.spindle.driven(self.channel.now()));
         }
         if command.radius > 0.0 {
             let rpm = speed.rpm(command.radius);
             return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
         }
         Ok(Some(Turning::Surface(speed)))
-    }
-
-    /// Smallest and largest speed of the spindle itself, rev/min.
-    fn spindle_range(&self) -> [f64; 2] {
-        match self.channel.state.spindle.id.map(|id| &self.channel.env.machine.spindles[id]) {
-            Some(spindle) if spindle.max > 0.0 => [spindle.min, spindle.max],
-            Some(spindle) => [spindle.min, f64::INFINITY],
-            None => [0.0, f64::INFINITY],
-        }
-    }
-
-    /// Speed of a command under constant surface speed, within the limits of the spindle and of the program.
-    pub(super) fn surface_speed(&self, command: &Command) -> Speed {
-        let [min, max] = command.bounds(self.spindle_range());
-        let factor = match (self.channel.env.machine.unit, self.channel.state.secondary) {
-            (Unit::Mm, false) | (Unit::Inch, true) => 1000.0,
-            (Unit::Mm, true) | (Unit::Inch, false) => 12.0,
-        };
-        let to_machine = match (self.channel.env.machine.unit, self.channel.state.secondary) {
-            (Unit::Mm, true) => 25.4,
-            (Unit::Inch, true) => 1.0 / 25.4,
-            _ => 1.0,
-        };
-        Speed { surface: command.surface * factor * to_machine, max, min }
     }
 
     /// Speed that turns now, 0 when the spindle is stopped.

@@ -2,11 +2,12 @@
 //!
 //! *Invariant:* a spindle that several channels command has no state of its own here but a copy.
 
-use super::channel::Channel;
+use super::channel::{Channel, nanoseconds};
 use super::modal::group;
 use counterpoint_motion::driven_speed::DrivenSpeed;
 use counterpoint_motion::surface_speed::Speed;
 
+use counterpoint_event::info::Unit;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::index::{SpindleId, Table};
@@ -67,6 +68,53 @@ impl Turning {
     }
 }
 
+impl SpindleState {
+    /// Smallest and largest speed of the spindle itself, rev/min.
+    pub(crate) fn range(&self, machine: &Machine) -> [f64; 2] {
+        match self.id.map(|id| &machine.spindles[id]) {
+            Some(spindle) if spindle.max > 0.0 => [spindle.min, spindle.max],
+            Some(spindle) => [spindle.min, f64::INFINITY],
+            None => [0.0, f64::INFINITY],
+        }
+    }
+
+    /// Speed of a command under constant surface speed, within the limits of the spindle and of the program.
+    pub(crate) fn surface_speed(&self, machine: &Machine, secondary: bool, command: &Command) -> Speed {
+        let [min, max] = command.bounds(self.range(machine));
+        let factor = match (machine.unit, secondary) {
+            (Unit::Mm, false) | (Unit::Inch, true) => 1000.0,
+            (Unit::Mm, true) | (Unit::Inch, false) => 12.0,
+        };
+        let to_machine = match (machine.unit, secondary) {
+            (Unit::Mm, true) => 25.4,
+            (Unit::Inch, true) => 1.0 / 25.4,
+            _ => 1.0,
+        };
+        Speed { surface: command.surface * factor * to_machine, max, min }
+    }
+
+    /// The rotation at this time, ns, while another channel drives the spindle.
+    pub(crate) fn driven(&self, now: i64) -> Option<Turning> {
+        match self.course.filter(|course| now < course.time[1]) {
+            Some(course) => Some(Turning::Driven(course.driven, course.elapsed(now))),
+            None => (self.now > 0.0).then_some(Turning::Fixed(self.now)),
+        }
+    }
+
+    /// Records that a move or dwell of a line, from `begin` ns on, was timed with the spindle speed known now.
+    pub(crate) fn assume(&mut self, line: u32, begin: i64, seconds: f64) {
+        let time = [begin, begin.saturating_add(nanoseconds(seconds))];
+        self.assumed = Some(AssumedSpeed { line, time, changes: self.changes });
+    }
+
+    /// The number of speed changes known when the last time was computed with a speed, and the end of that time, once
+    /// it is over at `now`, ns.
+    pub(crate) fn ended_assumption(&self, now: i64) -> Option<(u64, i64)> {
+        let assumed = self.assumed.filter(|assumed| assumed.time[0] < now)?;
+        Some((assumed.changes, assumed.time[1].min(now)))
+    }
+}
+
 /// Spindles of one channel, and their current uses.
 #[derive(Debug)]
 pub(crate) struct Spindles {
@@ -112,6 +160,16 @@ pub(crate) fn is_shared(machine: &Machine, id: SpindleId) -> bool {
     let uses = |channel: &&MachineChannel| [channel.spindle, channel.rear, channel.milling].contains(&Some(id));
     let users = machine.channels.iter().filter(uses).count();
     users > 1 || machine.channels.len() > 1 && has_codes(machine, machine.spindles[id].number)
+}
+
+/// `spindle 1 (MAIN) is stopped`, with the other channel if that stopped it.
+pub(crate) fn stopped(channel: &Channel<'_>) -> String {
+    let (state, own) = (&channel.state.spindle, channel.at.channel);
+    let Some(id) = state.id else { return "channel without a spindle".to_owned() };
+    let spindle = &channel.env.machine.spindles[id];
+    let by = state.changed.filter(|(_, other)| state.shared && *other != own);
+    let by = by.map_or_else(String::new, |(t, other)| format!(" by channel {other} at {:.3} s", t as f64 / 1e9));
+    format!("spindle {} ({}) is stopped{by}", spindle.number, spindle.name)
 }
 
 impl Channel<'_> {

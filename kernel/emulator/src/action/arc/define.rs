@@ -16,17 +16,17 @@ use counterpoint_machine::model::Heights;
 
 /// Direction of a circle: that of its code, of another code in the block, or the last one.
 pub(super) fn direction(act: &mut Act<'_, '_>, form: Form) -> Option<bool> {
-    let machine = act.env.machine;
+    let machine = act.channel().env.machine;
     let on_block = || {
-        let ids = act.block.pending.iter().map(|code| &machine.codes[code.row]);
+        let ids = act.channel().block.pending.iter().map(|code| &machine.codes[code.row]);
         ids.map(|row| row.id).find_map(|id| match id {
             codes::INTERP_DEF_CLW => Some(true),
             codes::INTERP_DEF_CCLW => Some(false),
             _ => None,
         })
     };
-    let clockwise = form.clockwise.or_else(on_block).or(act.state.arcs.clockwise);
-    act.state.arcs.clockwise = clockwise;
+    let clockwise = form.clockwise.or_else(on_block).or(act.channel().state.arcs.clockwise);
+    act.channel_mut().state.arcs.clockwise = clockwise;
     clockwise
 }
 
@@ -35,18 +35,19 @@ pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: AxisSlot) -> O
     let datum = act.take(id)?;
     let relative = datum.incremental
         || !datum.absolute
-            && match act.env.machine.arcs.center {
+            && match act.channel().env.machine.arcs.center {
                 Heights::Incremental => true,
                 Heights::Absolute => false,
-                Heights::Mode => act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE),
+                Heights::Mode => act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE),
             };
-    let scale = act.state.place.layout.axes[axis].scale;
+    let scale = act.channel().state.place.layout.axes[axis].scale;
     let of = |list: &Position| list.at(axis);
     Some(match relative {
-        true => of(&act.programmed()) * scale + datum.value,
+        true => of(&act.channel().programmed()) * scale + datum.value,
         false => {
             let value = datum.value * act.axis_diameter_factor(axis);
-            let shift = if act.block.flags.machine_frame { act.shift_in_machine_frame(axis) } else { 0.0 };
+            let shift =
+                if act.channel().block.flags.machine_frame { act.channel().shift_in_machine_frame(axis) } else { 0.0 };
             (value - shift) * scale
         }
     })
@@ -56,7 +57,7 @@ pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: AxisSlot) -> O
 pub(crate) fn define_center(act: &mut Act<'_, '_>) -> Acted {
     let mut center = [None; 3];
     for (role, id) in [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z].into_iter().enumerate() {
-        let axis = act.state.place.layout.cartesian.get(role).copied().flatten();
+        let axis = act.channel().state.place.layout.cartesian.get(role).copied().flatten();
         let value = match axis {
             Some(axis) => coordinate(act, id, axis),
             None => not_here(act, id),
@@ -66,16 +67,16 @@ pub(crate) fn define_center(act: &mut Act<'_, '_>) -> Acted {
         }
     }
     if center.iter().any(Option::is_some) {
-        act.state.arcs.center = center;
-        act.state.arcs.radius = None;
+        act.channel_mut().state.arcs.center = center;
+        act.channel_mut().state.arcs.radius = None;
     }
-    (act.state.arcs.by, act.state.arcs.block) = (By::Center, act.at.blocks);
+    (act.channel_mut().state.arcs.by, act.channel_mut().state.arcs.block) = (By::Center, act.channel().at.blocks);
     Ok(())
 }
 
 fn not_here(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
     if act.take(id).is_some() {
-        let text = format!("channel {} has no axis for a word of '{}'", act.at.channel, act.block_text());
+        let text = format!("channel {} has no axis for a word of '{}'", act.channel().at.channel, act.block_text());
         act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
     }
     None
@@ -84,15 +85,15 @@ fn not_here(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
 /// A radius for the circles to come; without a word only the form of the block's circle.
 pub(crate) fn define_radius(act: &mut Act<'_, '_>) -> Acted {
     if let Some(radius) = act.take(data::ARC_RADIUS) {
-        act.state.arcs.radius = Some(radius.value);
-        act.state.arcs.center = [None; 3];
+        act.channel_mut().state.arcs.radius = Some(radius.value);
+        act.channel_mut().state.arcs.center = [None; 3];
     }
-    (act.state.arcs.by, act.state.arcs.block) = (By::Radius, act.at.blocks);
+    (act.channel_mut().state.arcs.by, act.channel_mut().state.arcs.block) = (By::Radius, act.channel().at.blocks);
     Ok(())
 }
 
 /// A direction for circles whose code has none.
 pub(crate) fn define_direction(act: &mut Act<'_, '_>, clockwise: bool) -> Acted {
-    act.state.arcs.clockwise = Some(clockwise);
+    act.channel_mut().state.arcs.clockwise = Some(clockwise);
     Ok(())
 }

@@ -80,10 +80,10 @@ pub(super) fn threaded(act: &mut Act<'_, '_>, clockwise: bool, code: &PendingCod
 
 /// An arc in the active plane, helical when a further axis is coded.
 pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acted {
-    if act.block.flags.machine_frame && act.env.machine.habits.machine_frame_rapid {
+    if act.channel().block.flags.machine_frame && act.channel().env.machine.habits.machine_frame_rapid {
         return super::motion::rapid(act);
     }
-    if let Some(polar) = act.polar()
+    if let Some(polar) = act.channel().polar()
         && let Some(clockwise) = define::direction(act, form)
     {
         return super::polar::arc(act, polar, clockwise);
@@ -103,20 +103,23 @@ fn along(act: &mut Act<'_, '_>, form: Form, code: &PendingCode, screw: Option<Sc
         for id in [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z] {
             act.take(id);
         }
-        let text =
-            format!("no plane with both axes in channel {} is active for '{}'", act.at.channel, act.block_text());
+        let text = format!(
+            "no plane with both axes in channel {} is active for '{}'",
+            act.channel().at.channel,
+            act.block_text()
+        );
         act.diagnose(&diag::ARC_PLANE, text);
         return Ok(());
     };
     let mut words = take_words(act, form, &plane, &flat, (coded, code.modal));
     if about_pole && words.radius.is_none() && words.center.is_none() && words.angle.is_none() {
-        words.center = Some(flat.point(&act.state.arcs.pole));
+        words.center = Some(flat.point(&act.channel().state.arcs.pole));
     }
     if coded == 0 && words.radius.is_none() && words.center.is_none() && words.angle.is_none() {
         return Ok(());
     }
     let Some(clockwise) = define::direction(act, form) else {
-        let done = act.becomes(&diag::ARC_DIRECTION, STRAIGHT);
+        let done = act.channel().becomes(&diag::ARC_DIRECTION, STRAIGHT);
         let text = format!("the circle of '{}' has no direction, {done}", act.block_text());
         act.diagnose(&diag::ARC_DIRECTION, text);
         return act.feed_to_point(coded, target, feed, unit);
@@ -126,13 +129,13 @@ fn along(act: &mut Act<'_, '_>, form: Form, code: &PendingCode, screw: Option<Sc
         let forms = [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z, data::ARC_ANGLE];
         act.report_switched_off(&forms);
     }
-    if incomplete && act.env.machine.arcs.straight {
+    if incomplete && act.channel().env.machine.arcs.straight {
         let text =
             format!("the circle has neither a centre nor a radius in '{}', it is a straight line", act.block_text());
         act.diagnose(&diag::ARC_STRAIGHT, text);
         return act.feed_to_point(coded, target, feed, unit);
     }
-    if incomplete && !act.goes_on_at(&diag::ARC_INCOMPLETE) {
+    if incomplete && !act.channel().goes_on_at(&diag::ARC_INCOMPLETE) {
         let text = format!("the circle has neither a centre nor a radius in '{}', nothing is moved", act.block_text());
         return Err(act.alarm(&diag::ARC_INCOMPLETE, text));
     }
@@ -141,22 +144,22 @@ fn along(act: &mut Act<'_, '_>, form: Form, code: &PendingCode, screw: Option<Sc
 
 /// The active plane, if the channel has its axes.
 fn active_plane(act: &Act<'_, '_>) -> Option<(Plane, Flat)> {
-    let plane = plane(act.state.modal.code(group::PLANE)?)?;
-    let index = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten();
+    let plane = plane(act.channel().state.modal.code(group::PLANE)?)?;
+    let index = |role: usize| act.channel().state.place.layout.cartesian.get(role).copied().flatten();
     let axes = [index(plane.first)?, index(plane.second)?];
-    let scales = axes.map(|axis| act.state.place.layout.axes[axis].scale);
+    let scales = axes.map(|axis| act.channel().state.place.layout.axes[axis].scale);
     Some((plane, Flat { axes, scales }))
 }
 
 /// Takes radius or centre, then the angle; earlier blocks may have defined values that this block omits.
 fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (coded, implied): (u8, bool)) -> Words {
-    let here = act.state.arcs.block == act.at.blocks;
+    let here = act.channel().state.arcs.block == act.channel().at.blocks;
     let by = match form.by {
-        By::Any if here => act.state.arcs.by,
+        By::Any if here => act.channel().state.arcs.by,
         by => by,
     };
     let mut radius = if by == By::Center { None } else { act.take(data::ARC_RADIUS).map(|d| d.value) };
-    let start = flat.point(&act.programmed());
+    let start = flat.point(&act.channel().programmed());
     let mut center = None;
     if by != By::Radius {
         let roles = [plane.first, plane.second];
@@ -166,10 +169,10 @@ fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (co
             *slot = define::coordinate(act, id, axis);
         }
         // The missing one of an absolute centre is that of the definition.
-        let known = roles.map(|role| act.state.arcs.center.get(role).copied().flatten());
+        let known = roles.map(|role| act.channel().state.arcs.center.get(role).copied().flatten());
         let fill = |a: Option<f64>, b: Option<f64>, or: f64| a.or(b).unwrap_or(or);
         if said.iter().any(Option::is_some) {
-            let offsets = act.env.machine.arcs.center == counterpoint_machine::model::Heights::Incremental;
+            let offsets = act.channel().env.machine.arcs.center == counterpoint_machine::model::Heights::Incremental;
             let known = if offsets { [None; 2] } else { known };
             center = Some([fill(said[0], known[0], start[0]), fill(said[1], known[1], start[1])]);
         } else if known.iter().any(Option::is_some) && radius.is_none() {
@@ -180,7 +183,7 @@ fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (co
         }
     }
     if radius.is_none() && center.is_none() && coded != 0 && !act.block_has(data::ARC_ANGLE) {
-        radius = act.state.arcs.radius.filter(|_| by != By::Center);
+        radius = act.channel().state.arcs.radius.filter(|_| by != By::Center);
     }
     let angle = if radius.is_none() { act.take(data::ARC_ANGLE).map(|d| d.value.abs()) } else { None };
     Words { radius, center, angle }
@@ -195,11 +198,12 @@ fn cut(
     (coded, mut target): (u8, Position),
     (feed, unit, screw): (Option<f64>, FeedUnit, Option<Screw>),
 ) -> Acted {
-    let from = act.programmed();
+    let from = act.channel().programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
-    let tolerance = act.env.machine.arcs.tolerance;
+    let tolerance = act.channel().env.machine.arcs.tolerance;
     // Many machines do not ask.
-    let asks = act.env.machine.arcs.helix != Helix::Any || act.env.machine.arcs.turns == Turns::Helical;
+    let asks =
+        act.channel().env.machine.arcs.helix != Helix::Any || act.channel().env.machine.arcs.turns == Turns::Helical;
     let rises = asks && rises(act, flat, &from, &target);
     let made = match (words.radius, words.angle, words.center) {
         (Some(radius), ..) => geometry::by_radius(start, end, radius, clockwise, tolerance).map(|arc| (arc, end)),
@@ -234,16 +238,20 @@ fn cut(
     }
     check_machine(act, form, &made, rises);
     let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns, feed, unit, screw };
-    if act.state.place.frames.is_some() { turned::circle(act, plane, &circle) } else { act.circle_to(&circle) }
+    if act.channel().state.place.frames.is_some() {
+        turned::circle(act, plane, &circle)
+    } else {
+        act.circle_to(&circle)
+    }
 }
 
 /// Reports a circle that cannot be made and whose end is reached straight. On some controls one to its own start by a
 /// radius has no length and moves nothing in its plane.
 pub(super) fn not_made(act: &mut Act<'_, '_>, error: geometry::Error) {
-    if error == geometry::Error::SamePoint && act.env.machine.arcs.stands {
+    if error == geometry::Error::SamePoint && act.channel().env.machine.arcs.stands {
         return;
     }
-    let done = act.becomes(&diag::ARC_RADIUS, STRAIGHT);
+    let done = act.channel().becomes(&diag::ARC_RADIUS, STRAIGHT);
     let text = format!("the circle cannot be made: {error} in '{}', {done}", act.block_text());
     act.diagnose(&diag::ARC_RADIUS, text);
 }
@@ -254,12 +262,12 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// Whether a linear axis out of the plane moves too.
 fn rises(act: &Act<'_, '_>, flat: &Flat, from: &Position, to: &Position) -> bool {
-    let axes = act.state.place.layout.axes.entries();
+    let axes = act.channel().state.place.layout.axes.entries();
     axes.filter(|(slot, axis)| !flat.axes.contains(slot) && !axis.rotary).any(|(slot, _)| from.at(slot) != to.at(slot))
 }
 
 fn check_end(act: &mut Act<'_, '_>, off: f64) {
-    if off > act.env.machine.arcs.tolerance {
+    if off > act.channel().env.machine.arcs.tolerance {
         let text = format!("the end is {off:.4} off the circle in '{}'", act.block_text());
         act.diagnose(&diag::ARC_END_OFF, text);
     }
@@ -267,7 +275,7 @@ fn check_end(act: &mut Act<'_, '_>, off: f64) {
 
 /// Full turns in addition, where the machine has them.
 fn take_turns(act: &mut Act<'_, '_>, rises: bool) -> u16 {
-    let may = match act.env.machine.arcs.turns {
+    let may = match act.channel().env.machine.arcs.turns {
         Turns::Always => true,
         Turns::Helical => rises,
         Turns::Never => false,
@@ -284,7 +292,7 @@ fn take_turns(act: &mut Act<'_, '_>, rises: bool) -> u16 {
 /// The limit of the machine; the circle is made nevertheless.
 fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises: bool) {
     check_radius(act, made.radius);
-    let allowed = match act.env.machine.arcs.helix {
+    let allowed = match act.channel().env.machine.arcs.helix {
         Helix::Any => true,
         Helix::Codes => form.helix,
         Helix::Off => false,
@@ -297,7 +305,7 @@ fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises:
 
 /// A radius above the largest of the machine.
 fn check_radius(act: &mut Act<'_, '_>, radius: f64) {
-    let most = act.env.machine.arcs.max_radius;
+    let most = act.channel().env.machine.arcs.max_radius;
     if radius > most {
         let text = format!("the radius {radius:.3} is above the maximum {most} in '{}'", act.block_text());
         act.diagnose(&diag::ARC_RADIUS, text);
@@ -325,31 +333,33 @@ impl Act<'_, '_> {
     /// A circle in the work frame.
     #[inline(always)]
     pub(super) fn circle_to(&mut self, circle: &Circle) -> Acted {
-        if self.is_compensated() && circle.screw.is_none() {
+        if self.channel().is_compensated() && circle.screw.is_none() {
             let Circle { made, axes, turns, coded, to, feed, unit, .. } = *circle;
             return self.compensate(Step { shape: Shape::Circle { made, axes, turns }, coded, to, feed, unit });
         }
-        if let Some(polar) = self.polar() {
+        if let Some(polar) = self.channel().polar() {
             return self.circle_of_part(polar, circle);
         }
         let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit, screw } = *circle;
-        let changes = self.changes(&from, &to);
-        let axes = self.state.place.layout.axes.entries();
+        let changes = self.channel().changes(&from, &to);
+        let axes = self.channel().state.place.layout.axes.entries();
         let rise = axes
             .filter(|(slot, axis)| *slot != first && *slot != second && !axis.rotary)
             .map(|(slot, _)| changes.at(slot) * changes.at(slot))
             .sum::<f64>();
         let length = (made.length() * made.length() + rise).sqrt();
-        let x = self.state.place.layout.cartesian.first().copied().flatten();
+        let x = self.channel().state.place.layout.cartesian.first().copied().flatten();
         let radial = [first, second].iter().position(|&axis| Some(axis) == x);
-        let scale = |axis: AxisSlot| self.state.place.layout.axes[axis].scale;
+        let scale = |axis: AxisSlot| self.channel().state.place.layout.axes[axis].scale;
         let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
-        let feed = match self.state.place.frames {
+        let feed = match self.channel().state.place.frames {
             Some(_) => self.feed_down(feed, unit, &changes, made.length()),
             None => feed,
         };
-        let along = match self.state.place.feed_group {
-            Some(_) => (made.length() * made.length() + self.rise_that_counts(&changes, [first, second])).sqrt(),
+        let along = match self.channel().state.place.feed_group {
+            Some(_) => {
+                (made.length() * made.length() + self.channel().rise_that_counts(&changes, [first, second])).sqrt()
+            }
             None => made.length(),
         };
         let path = Path { from: &from, to: &to, length: along, arc: Some((&made, radial)) };
@@ -357,14 +367,14 @@ impl Act<'_, '_> {
             Some(screw) => self.arc_thread_seconds(&to, (&made, [first, second]), screw)?,
             None => self.feed_seconds(&path, feed, unit)?,
         };
-        if screw.is_none() && self.state.place.frames.is_some() {
+        if screw.is_none() && self.channel().state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);
         }
-        if screw.is_none() && self.state.place.weighs {
-            seconds = self.seconds_of_group(seconds, &changes);
+        if screw.is_none() && self.channel().state.place.weighs {
+            seconds = self.channel().seconds_of_group(seconds, &changes);
         }
         let moving = self.moving(coded, &changes) | first.bit() | second.bit();
-        self.state.threads.rounds = screw.is_some();
+        self.channel_mut().state.threads.rounds = screw.is_some();
         let done = self.travel(
             seconds,
             &Motion {
@@ -380,7 +390,7 @@ impl Act<'_, '_> {
                 length,
             },
         );
-        self.state.threads.rounds = false;
+        self.channel_mut().state.threads.rounds = false;
         done
     }
 }

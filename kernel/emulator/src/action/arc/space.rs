@@ -31,32 +31,32 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
         act.diagnose(&diag::DATA_MISSING, text);
         return act.feed_to(coded, target, feed, unit);
     }
-    if act.polar().is_some() {
-        let done = act.becomes(&diag::ARC_PLANE, STRAIGHT);
+    if act.channel().polar().is_some() {
+        let done = act.channel().becomes(&diag::ARC_PLANE, STRAIGHT);
         let text =
             format!("an arc in space is not possible under polar interpolation in '{}', {done}", act.block_text());
         act.diagnose(&diag::ARC_PLANE, text);
         return act.feed_to(coded, target, feed, unit);
     }
-    let via = act.work_point(&via);
+    let via = act.channel_mut().work_point(&via);
     crate::action::cutter::to_contour(act, feed, unit)?;
-    let from = act.state.place.position;
-    let info = act.env.info;
-    let axes = info.channel(act.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
+    let from = act.channel().state.place.position;
+    let info = act.channel().env.info;
+    let axes = info.channel(act.channel().at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
     let seen = spatial(axes);
     let [start, middle, end] = [from, via, target].map(|position| seen.point(&position));
     let circle = match Circle::through(start, middle, end) {
         Ok(circle) => circle,
         Err(error) => {
-            let done = act.becomes(&diag::ARC_RADIUS, STRAIGHT);
+            let done = act.channel().becomes(&diag::ARC_RADIUS, STRAIGHT);
             let text = format!("the arc cannot be made: {error} in '{}', {done}", act.block_text());
             act.diagnose(&diag::ARC_RADIUS, text);
             return act.feed_to(coded, target, feed, unit);
         }
     };
     check_radius(act, circle.radius);
-    let changes = act.changes(&from, &target);
-    let others = changes.iter().zip(&act.state.place.layout.axes).enumerate();
+    let changes = act.channel().changes(&from, &target);
+    let others = changes.iter().zip(&act.channel().state.place.layout.axes).enumerate();
     let rise: f64 = others.filter(|(at, (_, a))| !a.rotary && !seen.has(*at)).map(|(_, (c, _))| c * c).sum();
     // X swings as it would on a flat arc of its own reach.
     let (center, reach, start_angle) = circle.swing(0);
@@ -85,20 +85,20 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
 
 /// Takes the point on the way: bits of the given coordinates, and the point.
 fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
-    let relative = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-    let (mut said, mut via) = (0, act.programmed());
+    let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let (mut said, mut via) = (0, act.channel().programmed());
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
         let Some(datum) = act.take(id) else { continue };
-        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten() else {
-            let text = format!("channel {} has no axis for a word of '{}'", act.at.channel, act.block_text());
+        let Some(axis) = act.channel().state.place.layout.cartesian.get(role).copied().flatten() else {
+            let text = format!("channel {} has no axis for a word of '{}'", act.channel().at.channel, act.block_text());
             act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
             continue;
         };
-        let shift = act.shift_in_machine_frame(axis);
+        let shift = act.channel().shift_in_machine_frame(axis);
         let slot = via.at_mut(axis);
         *slot = if datum.incremental || relative && !datum.absolute {
             *slot + datum.value
-        } else if act.block.flags.machine_frame {
+        } else if act.channel().block.flags.machine_frame {
             datum.value - shift
         } else {
             datum.value

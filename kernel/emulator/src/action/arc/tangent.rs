@@ -27,7 +27,7 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
         act.diagnose(&diag::ARC_PLANE, text);
         return Ok(());
     };
-    let from = act.programmed();
+    let from = act.channel().programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
     let leads = heading(act, &flat).map(|heading| leads(start, heading, end));
     let (center, clockwise) = match leads {
@@ -36,7 +36,7 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
         Some(Tangent::Back) | None => {
             let why =
                 if leads.is_some() { "its end lies straight behind" } else { "no move of the plane is before it" };
-            let done = act.becomes(&diag::TANGENT_IMPOSSIBLE, STRAIGHT);
+            let done = act.channel().becomes(&diag::TANGENT_IMPOSSIBLE, STRAIGHT);
             let text = format!("the circle of '{}' is not possible: {why}, {done}", act.block_text());
             act.diagnose(&diag::TANGENT_IMPOSSIBLE, text);
             return act.feed_to_point(coded, target, feed, unit);
@@ -50,17 +50,21 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
         }
     };
     let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns: 0, feed, unit, screw: None };
-    if act.state.place.frames.is_some() { turned::circle(act, plane, &circle) } else { act.circle_to(&circle) }
+    if act.channel().state.place.frames.is_some() {
+        turned::circle(act, plane, &circle)
+    } else {
+        act.circle_to(&circle)
+    }
 }
 
 /// Direction of the last move at its end, as the program sees it, of length one.
 fn heading(act: &Act<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
-    let here = act.contour();
+    let here = act.channel().contour();
     let mut ahead = here;
-    match act.state.arcs.last? {
+    match act.channel().state.arcs.last? {
         LastMove::By(by) => ahead.iter_mut().zip(by).for_each(|(slot, by)| *slot += by),
         LastMove::Round { axes, center, turn } => {
-            let scale = |axis: AxisSlot| act.state.place.layout.axes[axis].scale;
+            let scale = |axis: AxisSlot| act.channel().state.place.layout.axes[axis].scale;
             let [first, second] = axes;
             let [c, d] = center;
             let x = (here.at(first) - c) * scale(first);
@@ -69,7 +73,7 @@ fn heading(act: &Act<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
             *ahead.at_mut(second) += x * turn / scale(second);
         }
     }
-    let [from, to] = [here, ahead].map(|work| flat.point(&act.program_point(&work)));
+    let [from, to] = [here, ahead].map(|work| flat.point(&act.channel().program_point(&work)));
     let by = [to[0] - from[0], to[1] - from[1]];
     let length = libm::hypot(by[0], by[1]);
     (length > 1e-9).then(|| by.map(|part| part / length))

@@ -24,12 +24,12 @@ const OFF: f64 = 0.01;
 impl Act<'_, '_> {
     /// Whether the line of this block gets its end from the next one.
     pub(in crate::action) fn opens_line(&mut self) -> bool {
-        self.cutter().is_some_and(|cutter| cutter.asked.open.is_some())
+        self.channel_mut().cutter().is_some_and(|cutter| cutter.asked.open.is_some())
     }
 
     /// The programmed end of a line with an angle: coded axes and target.
     pub(in crate::action) fn by_angle(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let Some(cutter) = self.cutter() else { return (coded, target) };
+        let Some(cutter) = self.channel_mut().cutter() else { return (coded, target) };
         let (axes, angle) = (cutter.axes, cutter.asked.angle.take());
         let open = cutter.waiting.last().and_then(|waiting| waiting.open);
         if angle.is_none() && open.is_none() {
@@ -37,7 +37,7 @@ impl Act<'_, '_> {
         }
         let bits = axes.map(AxisSlot::bit);
         let [first, second] = bits.map(|bit| coded & bit != 0);
-        let from = self.programmed();
+        let from = self.channel().programmed();
         let (start, end) = (self.flat(&from, axes), self.flat(&target, axes));
         match (open, angle) {
             (Some(open), Some(angle)) if first && second => {
@@ -57,7 +57,7 @@ impl Act<'_, '_> {
                 let solved = match (first, second) {
                     (false, false) => {
                         let open = Open { from, along };
-                        if let Some(cutter) = self.cutter() {
+                        if let Some(cutter) = self.channel_mut().cutter() {
                             cutter.asked.open = Some(open);
                         }
                         return (coded, target);
@@ -84,14 +84,14 @@ impl Act<'_, '_> {
     /// Whether the end of the block's move is given by its distance and angle from the pole, which is the centre of a
     /// circle without another centre.
     pub(in crate::action) fn ends_by_pole(&mut self) -> bool {
-        self.cutter().is_some_and(|cutter| cutter.asked.polar.is_some())
+        self.channel_mut().cutter().is_some_and(|cutter| cutter.asked.polar.is_some())
     }
 
     /// The programmed end of a move with polar coordinates: coded axes and target.
     pub(in crate::action) fn polar_end(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let Some(cutter) = self.cutter() else { return (coded, target) };
+        let Some(cutter) = self.channel_mut().cutter() else { return (coded, target) };
         let (axes, Some([radius, angle])) = (cutter.axes, cutter.asked.polar.take()) else { return (coded, target) };
-        let spot = plus(self.flat(&self.state.arcs.pole, axes), direction(angle), radius);
+        let spot = plus(self.flat(&self.channel().state.arcs.pole, axes), direction(angle), radius);
         for at in [0, 1] {
             self.put_flat(&mut target, (axes, at), spot);
         }
@@ -107,7 +107,7 @@ impl Act<'_, '_> {
         };
         let mut pole = from;
         for axis in axes {
-            let id = self.state.place.layout.axes[axis].data;
+            let id = self.channel().state.place.layout.axes[axis].data;
             *pole.at_mut(axis) += self.take(id).map_or(0.0, |datum| datum.value);
         }
         if let Some([radius, angle]) = polar(self) {
@@ -116,7 +116,7 @@ impl Act<'_, '_> {
                 self.put_flat(&mut pole, (axes, at), spot);
             }
         }
-        self.state.arcs.pole = pole;
+        self.channel_mut().state.arcs.pole = pole;
     }
 
     fn not_computed(&mut self, why: &str) {
@@ -126,8 +126,8 @@ impl Act<'_, '_> {
 
     /// Ends the line that waits where it meets another one.
     fn cross(&mut self, open: Open, (end, along): (Spot, Spot), axes: [AxisSlot; 2]) {
-        let relative = self.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
-            || self.block.words.iter().any(|word| word.incremental);
+        let relative = self.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+            || self.channel().block.words.iter().any(|word| word.incremental);
         let start = self.flat(&open.from, axes);
         let by = cross(open.along, along);
         if relative || by.abs() < PARALLEL {
@@ -141,9 +141,9 @@ impl Act<'_, '_> {
         for at in [0, 1] {
             self.put_flat(&mut point, (axes, at), meets);
         }
-        let [from, to] = [open.from, point].map(|programmed| self.work_point(&programmed));
+        let [from, to] = [open.from, point].map(|programmed| self.channel_mut().work_point(&programmed));
         let [first, last] = [from, to].map(|work| self.plane_spot(&work, axes));
-        let Some(cutter) = self.cutter() else { return };
+        let Some(cutter) = self.channel_mut().cutter() else { return };
         let Some(waiting) = cutter.waiting.last_mut() else { return };
         waiting.open = None;
         for (slot, value) in waiting.step.to.iter_mut().zip(&to) {
@@ -162,14 +162,14 @@ impl Act<'_, '_> {
     /// Sets one coordinate of a programmed point to that of a point.
     fn put_flat(&self, position: &mut Position, (axes, at): ([AxisSlot; 2], usize), spot: Spot) {
         let (Some(axis), Some(value)) = (axes.get(at).copied(), spot.get(at)) else { return };
-        let scale = self.state.place.layout.axes[axis].scale;
+        let scale = self.channel().state.place.layout.axes[axis].scale;
         let slot = position.at_mut(axis);
         *slot = crate::state::frames::clean(value / scale, *slot);
     }
 
     /// A line without an end waits for the next one.
     pub(super) fn wait_for_end(&mut self, step: Step) {
-        let corner = self.cutter().and_then(|cutter| cutter.asked.corner.take());
+        let corner = self.channel_mut().cutter().and_then(|cutter| cutter.asked.corner.take());
         self.wait(step, None, corner);
     }
 }

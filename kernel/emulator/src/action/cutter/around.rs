@@ -18,10 +18,12 @@ use crate::state::modal::plane;
 /// Compensation is that of the frame, and the local frame tilts its plane.
 pub(super) fn frame_tilts(act: &Act<'_, '_>, plane_code: CodeId) -> bool {
     const PLANE: u16 = 148;
-    if act.state.modal.code(PLANE) != Some(codes::COMP_IN_FRAME) {
+    if act.channel().state.modal.code(PLANE) != Some(codes::COMP_IN_FRAME) {
         return false;
     }
-    let Some((frames, plane)) = act.state.place.frames.as_deref().zip(plane(plane_code)) else { return false };
+    let Some((frames, plane)) = act.channel().state.place.frames.as_deref().zip(plane(plane_code)) else {
+        return false;
+    };
     let normal = (0..3).find(|role| *role != plane.first && *role != plane.second).unwrap_or(2);
     let mut along = [0.0; 3];
     if let Some(slot) = along.get_mut(normal) {
@@ -34,7 +36,7 @@ pub(super) fn frame_tilts(act: &Act<'_, '_>, plane_code: CodeId) -> bool {
 impl Act<'_, '_> {
     /// The way around the beginning of a contour from a point behind it (KONT).
     pub(super) fn around_start(&mut self, element: &Element, next: &Element) -> Result<Option<Corner>, diag::Halt> {
-        let Some(cutter) = self.cutter().cloned().filter(|_| self.goes_around()) else { return Ok(None) };
+        let Some(cutter) = self.channel_mut().cutter().cloned().filter(|_| self.goes_around()) else { return Ok(None) };
         let (here, corner) = (self.spot_of(&cutter), element.to);
         let way = plus(corner, here, -1.0);
         if cross(next.start(), way) * cutter.side < NOISE {
@@ -48,7 +50,9 @@ impl Act<'_, '_> {
 
     /// The way around the end of a contour to a point behind it.
     pub(super) fn around_end(&mut self, step: &Step, element: &Element, end: Option<(Spot, Spot)>) -> Acted {
-        let Some((cutter, (corner, heading))) = self.cutter().cloned().filter(|_| self.goes_around()).zip(end) else {
+        let Some((cutter, (corner, heading))) =
+            self.channel_mut().cutter().cloned().filter(|_| self.goes_around()).zip(end)
+        else {
             return Ok(());
         };
         let way = plus(element.to, corner, -1.0);
@@ -58,14 +62,14 @@ impl Act<'_, '_> {
         let Some(along) = self.tangent(&cutter, way, -cutter.side, 10756)? else { return Ok(()) };
         let next = Element { from: corner, to: plus(corner, along, 1.0), arc: None };
         let links = self.offset(&cutter).outside(corner, heading, &next);
-        let level = self.state.place.position;
+        let level = self.channel().state.place.position;
         self.links((step, element), &cutter, &links, level)
     }
 
     /// Compensation goes around the ends of contours.
     fn goes_around(&self) -> bool {
         const AROUND: u16 = 145;
-        self.state.modal.code(AROUND) == Some(codes::CONTOUR_AROUND)
+        self.channel().state.modal.code(AROUND) == Some(codes::CONTOUR_AROUND)
     }
 
     /// Direction of the line over a path beside a corner that stays the radius away from it, turned to a side.

@@ -15,17 +15,19 @@ use counterpoint_machine::model::LengthInMachineFrame;
 
 /// The effect of an action on a waiting move.
 pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> Acted {
-    let reads_on = act.env.machine.compensation.between.past_stops && matches!(code, codes::STOP | codes::OPSTOP);
+    let reads_on =
+        act.channel().env.machine.compensation.between.past_stops && matches!(code, codes::STOP | codes::OPSTOP);
     let contour = if reads_on { Contour::Waits } else { contour };
     corner::follow(act, contour)?;
-    if act.env.machine.corners.dwell_only && parts_corner(act, contour, code) {
+    if act.channel().env.machine.corners.dwell_only && parts_corner(act, contour, code) {
         act.flush_lookahead()?;
-        act.check_stop()?;
+        act.channel().check_stop()?;
     }
-    let (blocks, in_machine) = (act.at.blocks, act.block.flags.machine_frame);
-    let (most, of_machine) = (act.env.machine.corners.between, act.env.machine.compensation.between.looked_through);
-    let shared = act.state.spindle.shared;
-    let Some(cutter) = act.cutter() else { return Ok(()) };
+    let (blocks, in_machine) = (act.channel().at.blocks, act.channel().block.flags.machine_frame);
+    let (most, of_machine) =
+        (act.channel().env.machine.corners.between, act.channel().env.machine.compensation.between.looked_through);
+    let shared = act.channel().state.spindle.shared;
+    let Some(cutter) = act.channel_mut().cutter() else { return Ok(()) };
     if cutter.seen != blocks && !leads_on(code) {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
         cutter.seen = blocks;
@@ -39,7 +41,7 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
         Contour::Leaves if code == codes::POSITION_MACHINE && stays_in_machine_frame(act) => {}
         Contour::Leaves => {
             act.flush_lookahead()?;
-            if let Some(cutter) = act.cutter() {
+            if let Some(cutter) = act.channel_mut().cutter() {
                 cutter.suspended = true;
             }
             return Ok(());
@@ -50,16 +52,16 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
     if !long {
         return Ok(());
     }
-    if act.env.machine.compensation.between.alarm_beyond && !smooth {
+    if act.channel().env.machine.compensation.between.alarm_beyond && !smooth {
         too_many(act, of_machine);
-        act.check_stop()?;
+        act.channel().check_stop()?;
     }
     act.flush_lookahead()
 }
 
 /// Whether positions of the machine frame are those of the tool, beside which compensation stays active.
 fn stays_in_machine_frame(act: &Act<'_, '_>) -> bool {
-    act.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added
+    act.channel().env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added
 }
 
 /// Whether calls and returns are statements of the program's flow, as those of custom macros; they are no blocks
@@ -71,7 +73,8 @@ fn leads_on(code: CodeId) -> bool {
 /// More blocks without a move in the plane than the control looks through, where that is an alarm.
 #[cold]
 fn too_many(act: &mut Act<'_, '_>, most: u32) {
-    let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain && !cutter.is_due() && !cutter.stage.is_ending())
+    let Some(cutter) =
+        act.channel_mut().cutter().filter(|cutter| !cutter.plain && !cutter.is_due() && !cutter.stage.is_ending())
     else {
         return;
     };
@@ -86,8 +89,8 @@ fn too_many(act: &mut Act<'_, '_>, most: u32) {
 
 /// Whether a code in a block without a move, after the block of a corner, is neither a dwell nor a call.
 fn parts_corner(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> bool {
-    let (blocks, moves) = (act.at.blocks, act.has_motion_word());
-    let due = act.cutter().filter(|cutter| cutter.is_due());
+    let (blocks, moves) = (act.channel().at.blocks, act.has_motion_word());
+    let due = act.channel_mut().cutter().filter(|cutter| cutter.is_due());
     let before = due.and_then(|cutter| cutter.waiting.last()).is_some_and(|last| last.block != blocks);
     let looked_through = matches!(code, codes::DELAY | codes::DELAY_REV) || leads_on(code);
     before && !moves && !looked_through && matches!(contour, Contour::Waits | Contour::Commands)
@@ -96,9 +99,9 @@ fn parts_corner(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> bool {
 impl Act<'_, '_> {
     /// A move of length zero counts for several blocks without a move.
     pub(super) fn count_zero_move(&mut self, step: &Step) {
-        let counts = self.env.machine.compensation.between.zero_move;
-        let stays = self.contour() == step.to;
-        if let Some(cutter) = self.cutter().filter(|_| stays) {
+        let counts = self.channel().env.machine.compensation.between.zero_move;
+        let stays = self.channel().contour() == step.to;
+        if let Some(cutter) = self.channel_mut().cutter().filter(|_| stays) {
             cutter.idle = cutter.idle.saturating_add(counts.saturating_sub(1));
         }
     }

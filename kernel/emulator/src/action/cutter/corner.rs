@@ -19,7 +19,7 @@ use counterpoint_machine::ident::{codes, data};
 
 /// Moves of the plane wait from here on, where compensation does not make them wait; whether there is a plane.
 pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
-    if act.is_compensated() {
+    if act.channel().is_compensated() {
         return true;
     }
     let Some((_, axes)) = compensated_plane(act) else {
@@ -32,33 +32,34 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
         radius: 0.0,
         tip: [0.0; 2],
         axes,
-        contour: act.state.place.position,
+        contour: act.channel().state.place.position,
         stage: Stage::On,
         waiting: Vec::new(),
         idle: 0,
-        seen: act.at.blocks,
-        ended: act.at.line,
+        seen: act.channel().at.blocks,
+        ended: act.channel().at.line,
         suspended: false,
         plain: true,
         asked: Asked::default(),
         smooth: None,
         resized: None,
     };
-    act.frames().cutter = Some(Box::new(new));
+    act.channel_mut().frames().cutter = Some(Box::new(new));
     true
 }
 
 /// Effect of an action on corners: moves along the contour may wait, also while a spindle that only this channel uses
 /// is commanded; any other action ends the waiting.
 pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
-    let rounds = act.state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
-    let shared = act.state.spindle.shared;
-    if let Some(cutter) = act.cutter().filter(|cutter| cutter.plain) {
+    let rounds = act.channel().state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
+    let shared = act.channel().state.spindle.shared;
+    if let Some(cutter) = act.channel_mut().cutter().filter(|cutter| cutter.plain) {
         let axes = cutter.axes;
         let stays = match contour {
             Contour::Waits => true,
             Contour::Follows => {
-                !act.block.flags.machine_frame && compensated_plane(act).is_some_and(|(_, active)| active == axes)
+                !act.channel().block.flags.machine_frame
+                    && compensated_plane(act).is_some_and(|(_, active)| active == axes)
             }
             Contour::Commands => !shared,
             Contour::Leaves | Contour::Ends => false,
@@ -66,18 +67,22 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
         if !stays {
             act.flush_lookahead()?;
             let plane = compensated_plane(act);
-            match act.cutter() {
+            match act.channel_mut().cutter() {
                 // A path to the contour is still to come, in the plane that is active then.
                 Some(cutter) if cutter.smooth.is_some() => {
                     if let Some((_, axes)) = plane {
                         cutter.axes = axes;
                     }
                 }
-                _ => act.forget_cutter(),
+                _ => act.channel_mut().forget_cutter(),
             }
         }
     }
-    if rounds && contour == Contour::Follows && !act.is_compensated() && !act.block.flags.machine_frame {
+    if rounds
+        && contour == Contour::Follows
+        && !act.channel().is_compensated()
+        && !act.channel().block.flags.machine_frame
+    {
         take_part(act);
     }
     Ok(())
@@ -85,28 +90,33 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
 
 /// Ends the waiting: without compensation and modal rounding, moves are plain again.
 pub(super) fn end(act: &mut Act<'_, '_>) {
-    let rounds = act.state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
+    let rounds = act.channel().state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
     if !rounds
-        && act.cutter().is_some_and(|cutter| cutter.plain && cutter.waiting.is_empty() && cutter.smooth.is_none())
+        && act
+            .channel_mut()
+            .cutter()
+            .is_some_and(|cutter| cutter.plain && cutter.waiting.is_empty() && cutter.smooth.is_none())
     {
-        act.forget_cutter();
+        act.channel_mut().forget_cutter();
     }
 }
 
 /// The corner at the end of a move: its own, or the modal one.
 fn corner_at_end(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
-    let asked = act.cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
-    let rounding = act.state.place.frames.as_deref().and_then(|frames| frames.rounding);
-    let modal = act.state.remembered.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
+    let asked = act.channel_mut().cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
+    let rounding = act.channel().state.place.frames.as_deref().and_then(|frames| frames.rounding);
+    let modal = act.channel().state.remembered.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
     let feed = asked.feed.or(modal);
     let all = rounding.map(|radius| Corner { cut: Cut::Round(radius), side: None, feed, modal: true });
-    asked.corner.or_else(|| all.filter(|_| !rapid && act.state.modal.code(group::MOTION) != Some(codes::RAPID)))
+    asked
+        .corner
+        .or_else(|| all.filter(|_| !rapid && act.channel().state.modal.code(group::MOTION) != Some(codes::RAPID)))
 }
 
 impl Act<'_, '_> {
     /// Puts corners between the moves that wait and between the last of them and a new one, which becomes shorter.
     pub(super) fn cut_corners(&mut self, step: &Step, element: &mut Element) -> Acted {
-        let Some(cutter) = self.cutter().filter(|cutter| cutter.is_due()) else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter().filter(|cutter| cutter.is_due()) else { return Ok(()) };
         let waiting = std::mem::take(&mut cutter.waiting);
         let mut made: Vec<Waiting> = Vec::with_capacity(waiting.len() + 2);
         let mut due: Option<(usize, Corner)> = None;
@@ -124,10 +134,10 @@ impl Act<'_, '_> {
         if let Some((at, corner)) = due {
             self.cut_corner(&mut made, (at, corner), (step, element));
         }
-        if let Some(cutter) = self.cutter() {
+        if let Some(cutter) = self.channel_mut().cutter() {
             cutter.waiting = made;
         }
-        self.check_stop()
+        self.channel().check_stop()
     }
 
     /// Puts a corner after a move that waits.
@@ -141,7 +151,7 @@ impl Act<'_, '_> {
             (step.feed, step.unit) = (feed, FeedUnit::PerMinute);
         }
         step.feed = corner.feed.or(step.feed);
-        step.shape = match (between.arc, self.cutter()) {
+        step.shape = match (between.arc, self.channel_mut().cutter()) {
             (Some(made), Some(cutter)) => Shape::Circle { made, axes: cutter.axes, turns: 0 },
             _ if matches!(step.shape, Shape::Rapid) => Shape::Rapid,
             _ => Shape::Linear,
@@ -159,7 +169,7 @@ impl Act<'_, '_> {
         (before, first): (&Step, &mut Element),
         (after, second): (&Step, &mut Element),
     ) -> Option<Element> {
-        let rules = self.env.machine.corners;
+        let rules = self.channel().env.machine.corners;
         let block = self.block_text();
         if matches!(after.shape, Shape::Rapid) && !rules.rapid {
             if !corner.modal {
@@ -202,7 +212,7 @@ impl Act<'_, '_> {
         (before, first): (&Step, &Element),
         (after, second): (&Step, &Element),
     ) -> Option<()> {
-        let axes = self.cutter().map(|cutter| cutter.axes)?;
+        let axes = self.channel_mut().cutter().map(|cutter| cutter.axes)?;
         let block = self.block_text();
         let round = |step: &Step| matches!(step.shape, Shape::Circle { .. });
         if round(before) || round(after) {
@@ -233,7 +243,7 @@ impl Act<'_, '_> {
 
     /// A move without a corner at its end, where only corners make moves wait.
     pub(super) fn without_waiting(&mut self, step: &Step, element: &Element) -> Acted {
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
         cutter.contour = step.to;
         let cutter = cutter.clone();
         self.along(step, &cutter, element, element.to)?;
@@ -243,7 +253,7 @@ impl Act<'_, '_> {
 
     /// A move that the corner before it has taken whole: its direction is that of the corner's end.
     pub(super) fn used_up(&mut self, step: Step, element: &Element) -> Acted {
-        let along = self.cutter().and_then(|cutter| {
+        let along = self.channel_mut().cutter().and_then(|cutter| {
             let last = cutter.waiting.iter().rev().find_map(|waiting| waiting.element)?;
             Some(last.end())
         });
@@ -255,13 +265,13 @@ impl Act<'_, '_> {
             let text = format!("the corner of '{}' has no line left before it", self.block_text());
             self.diagnose(&diag::CORNER_TOO_LONG, text);
         }
-        let ended = self.at.line;
-        if let Some(cutter) = self.cutter() {
+        let ended = self.channel().at.line;
+        if let Some(cutter) = self.channel_mut().cutter() {
             (cutter.contour, cutter.ended) = (step.to, ended);
             cutter.stage = if cutter.plain { Stage::On } else { Stage::Settled { corner: element.to, along } };
         }
         end(self);
-        self.check_stop()
+        self.channel().check_stop()
     }
 
     /// The part that is missing after a move without a next one: a move after its corner, or its own end.
@@ -277,7 +287,7 @@ impl Act<'_, '_> {
 
     /// A corner where compensation starts or ends.
     pub(super) fn corner_at_switch(&mut self, what: &str) {
-        let Some(asked) = self.cutter().map(|cutter| std::mem::take(&mut cutter.asked)) else { return };
+        let Some(asked) = self.channel_mut().cutter().map(|cutter| std::mem::take(&mut cutter.asked)) else { return };
         if !asked.is_empty() {
             let text = format!("'{}' switches compensation {what} and has a corner or an angle", self.block_text());
             self.diagnose(&diag::CORNER_AT_COMPENSATION, text);
@@ -286,7 +296,7 @@ impl Act<'_, '_> {
 
     /// After an alarm the corners that wait are not made.
     pub(super) fn forget_corners(&mut self) {
-        if let Some(cutter) = self.cutter() {
+        if let Some(cutter) = self.channel_mut().cutter() {
             for waiting in &mut cutter.waiting {
                 (waiting.corner, waiting.open) = (None, None);
             }

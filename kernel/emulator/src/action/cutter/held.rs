@@ -10,20 +10,20 @@ use counterpoint_event::event::Event;
 impl Act<'_, '_> {
     /// Holds events back from here on.
     pub(super) fn buffer_events(&mut self) {
-        if self.held.is_none() {
-            self.held = Some(Held { events: Vec::new(), since: self.at.tag() });
+        if self.channel().held.is_none() {
+            self.channel_mut().held = Some(Held { events: Vec::new(), since: self.channel().at.tag() });
             self.hold_back();
         }
     }
 
     /// Events held back so far.
     pub(super) fn buffered_events(&self) -> usize {
-        self.held.as_ref().map_or(0, |held| held.events.len())
+        self.channel().held.as_ref().map_or(0, |held| held.events.len())
     }
 
     /// Ends holding events back; the caller puts them where they belong.
     pub(super) fn release_events(&mut self) -> Vec<Event> {
-        let events = self.held.take().map(|held| held.events).unwrap_or_default();
+        let events = self.channel_mut().held.take().map(|held| held.events).unwrap_or_default();
         self.hold_back();
         events
     }
@@ -41,10 +41,10 @@ impl Act<'_, '_> {
 
     /// Goes to the time and block of a waiting move.
     pub(super) fn go_to(&mut self, waiting: &Waiting, late: i64) {
-        self.at.clock = waiting.clock.saturating_add(late);
-        self.at.micro = if late > 0 { 0 } else { waiting.micro };
-        self.at.go_to(waiting.place);
-        self.text.edited.clone_from(&waiting.text);
-        self.block.flags.exact_stop = waiting.exact;
+        self.channel_mut().at.clock = waiting.clock.saturating_add(late);
+        self.channel_mut().at.micro = if late > 0 { 0 } else { waiting.micro };
+        self.channel_mut().at.go_to(waiting.place);
+        self.channel_mut().text.edited.clone_from(&waiting.text);
+        self.channel_mut().block.flags.exact_stop = waiting.exact;
     }
 }

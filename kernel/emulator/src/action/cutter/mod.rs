@@ -21,17 +21,17 @@ pub(in crate::action) use between::before;
 pub(super) use resized::resized;
 pub(super) use words::{code as corner_code, has_words, with_words};
 
-use crate::act::Act;
-use crate::state::modal::{group, plane};
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::ident::{CodeId, codes, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
-use crate::state::arc::LastMove;
+use crate::act::Act;
+use crate::state::channel::Channel;
 use crate::state::corner::{Asked, Corner};
 use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
+use crate::state::modal::{group, plane};
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
 /// Number of blocks after which a waiting move is completed in any case.
@@ -66,18 +66,19 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
             return Ok(());
         }
     };
-    let number = act.diameter_in_force().unwrap_or(0);
-    if number == 0 && act.env.machine.compensation.zero_cancels && act.cutter().is_some_and(|cutter| !cutter.plain) {
+    let number = act.channel().diameter_in_force().unwrap_or(0);
+    let cancels = number == 0 && act.channel().env.machine.compensation.zero_cancels;
+    if cancels && act.channel_mut().cutter().is_some_and(|cutter| !cutter.plain) {
         leave(act);
         return Ok(());
     }
     let radius = act.cutter_radius(number) + contour_allowance(act);
-    act.check_stop()?;
+    act.channel().check_stop()?;
     if radius == 0.0 {
         no_radius(act, number);
-        act.check_stop()?;
+        act.channel().check_stop()?;
     }
-    if act.cutter().is_none_or(|cutter| cutter.plain) && radius == 0.0 {
+    if act.channel_mut().cutter().is_none_or(|cutter| cutter.plain) && radius == 0.0 {
         return Ok(());
     }
     let Some((plane_code, axes)) = compensated_plane(act) else {
@@ -91,13 +92,14 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
             act.block_text()
         );
         act.diagnose(&diag::SIEMENS_STATE, text);
-        return act.check_stop();
+        return act.channel().check_stop();
     }
     wall::at_vector(act, plane_code, axes);
     let tip = act.nose_tip(number, plane_code);
-    let contour = act.contour();
+    let contour = act.channel().contour();
     let side = if mirror::is_mirrored(act) { -side } else { side };
-    let kept = act.cutter().filter(|cutter| !cutter.stage.is_ending() && !cutter.plain).map(|_| Stage::Turned);
+    let before = act.channel_mut().cutter().filter(|cutter| !cutter.stage.is_ending() && !cutter.plain);
+    let kept = before.map(|_| Stage::Turned);
     let new = Cutter {
         side: if radius < 0.0 { -side } else { side },
         radius: radius.abs(),
@@ -107,21 +109,21 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         stage: kept.unwrap_or(Stage::Start),
         waiting: Vec::new(),
         idle: 0,
-        seen: act.at.blocks,
-        ended: act.at.line,
+        seen: act.channel().at.blocks,
+        ended: act.channel().at.line,
         suspended: false,
         plain: false,
         asked: Asked::default(),
         smooth: None,
         resized: None,
     };
-    act.frames().cutter = Some(Box::new(new));
+    act.channel_mut().frames().cutter = Some(Box::new(new));
     Ok(())
 }
 
 /// The next move in the plane ends compensation.
 fn leave(act: &mut Act<'_, '_>) {
-    if let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain) {
+    if let Some(cutter) = act.channel_mut().cutter().filter(|cutter| !cutter.plain) {
         cutter.stage = match cutter.stage {
             Stage::Settled { corner, along } | Stage::Around { corner, along } => Stage::Ending(Some((corner, along))),
             Stage::Ending(known) => Stage::Ending(known),
@@ -137,13 +139,13 @@ pub(super) fn beside(act: &mut Act<'_, '_>, side: Option<f64>) -> Acted {
         Some(side) if side > 0.0 => codes::COMP_DIAM_LEFT,
         Some(_) => codes::COMP_DIAM_RIGHT,
     };
-    let before = (act.state.modal.code(group::DIAMETER), act.state.modal.row(group::DIAMETER));
-    act.state.modal.activate(group::DIAMETER, code, None);
-    if side.is_none() || act.diameter_in_force().is_some_and(|number| act.cutter_radius(number) > 0.0) {
+    let before = (act.channel().state.modal.code(group::DIAMETER), act.channel().state.modal.row(group::DIAMETER));
+    act.channel_mut().state.modal.activate(group::DIAMETER, code, None);
+    if side.is_none() || act.channel().diameter_in_force().is_some_and(|number| act.cutter_radius(number) > 0.0) {
         return switched(act, code);
     }
     if let (Some(code), row) = before {
-        act.state.modal.activate(group::DIAMETER, code, row);
+        act.channel_mut().state.modal.activate(group::DIAMETER, code, row);
     }
     Ok(())
 }
@@ -151,15 +153,15 @@ pub(super) fn beside(act: &mut Act<'_, '_>, side: Option<f64>) -> Acted {
 /// Allowance of the contour: that of the block, or the last one.
 fn contour_allowance(act: &mut Act<'_, '_>) -> f64 {
     if let Some(value) = act.take(data::CONTOUR_ALLOWANCE).map(|datum| datum.value) {
-        act.state.remembered.remember(data::CONTOUR_ALLOWANCE, value);
+        act.channel_mut().state.remembered.remember(data::CONTOUR_ALLOWANCE, value);
     }
-    act.state.remembered.value(data::CONTOUR_ALLOWANCE).unwrap_or(0.0)
+    act.channel().state.remembered.value(data::CONTOUR_ALLOWANCE).unwrap_or(0.0)
 }
 
 /// Says that compensation changes nothing: the control would continue the contour as well, the part would be wrong.
 fn no_radius(act: &mut Act<'_, '_>, number: u32) {
     let block = act.block_text();
-    if act.env.machine.compensation.needs_tool && act.state.place.tools.current == 0 {
+    if act.channel().env.machine.compensation.needs_tool && act.channel().state.place.tools.current == 0 {
         let text = format!("the compensation of '{block}' needs a tool; no tool is loaded");
         return act.diagnose(&diag::COMPENSATION_TOOL, text);
     }
@@ -174,20 +176,20 @@ fn no_radius(act: &mut Act<'_, '_>, number: u32) {
 
 /// The active plane and its axes; under polar and cylindrical interpolation that of the part.
 fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
-    if let Some(polar) = act.polar() {
+    if let Some(polar) = act.channel().polar() {
         return Some((codes::PLANE_XY, polar.axes()));
     }
-    let code = act.state.modal.code(group::PLANE)?;
+    let code = act.channel().state.modal.code(group::PLANE)?;
     let plane = plane(code)?;
-    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten();
+    let axis = |role: usize| act.channel().state.place.layout.cartesian.get(role).copied().flatten();
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
 }
 
 /// Polar or cylindrical interpolation has been switched: another plane, in which compensation begins again.
 pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
-    let number = act.diameter_in_force().unwrap_or(0);
+    let number = act.channel().diameter_in_force().unwrap_or(0);
     let made = compensated_plane(act).map(|(code, axes)| (axes, act.nose_tip(number, code)));
-    let Some(cutter) = act.cutter() else { return };
+    let Some(cutter) = act.channel_mut().cutter() else { return };
     if !cutter.stage.is_ending() {
         cutter.stage = Stage::Start;
     }
@@ -198,11 +200,11 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
         }
         // Switched off already: the next move goes straight to its point.
         None if cutter.stage.is_ending() => {
-            act.forget_cutter();
+            act.channel_mut().forget_cutter();
             return;
         }
         None => {
-            act.forget_cutter();
+            act.channel_mut().forget_cutter();
             format!("no plane with both axes is left for compensation in '{}', it ends", act.block_text())
         }
     };
@@ -211,8 +213,8 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
 
 /// Brings the tool back to the contour, straight at feed, for a move that goes without compensation.
 pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUnit) -> Acted {
-    let to = act.contour();
-    if !act.is_compensated() || to == act.state.place.position {
+    let to = act.channel().contour();
+    if !act.channel().is_compensated() || to == act.channel().state.place.position {
         return Ok(());
     }
     let feed = (feed.filter(|_| unit != FeedUnit::InverseTime), unit);
@@ -222,8 +224,8 @@ pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUni
 
 /// Called after a thread, which goes without compensation: the next moves approach the contour again.
 pub(super) fn after_thread(act: &mut Act<'_, '_>) {
-    let position = act.state.place.position;
-    if let Some(cutter) = act.cutter() {
+    let position = act.channel().state.place.position;
+    if let Some(cutter) = act.channel_mut().cutter() {
         (cutter.contour, cutter.stage) = (position, Stage::Start);
     }
 }
@@ -232,60 +234,50 @@ impl Act<'_, '_> {
     /// Radius that paths keep from the contour.
     pub(in crate::action) fn cutter_radius(&self, number: u32) -> f64 {
         use crate::state::frames::offsets::{BASE, Radii};
-        let own = if number == BASE { 0.0 } else { self.worn_radius(number) };
-        let base = if self.state.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
+        let channel = self.channel();
+        let own = if number == BASE { 0.0 } else { channel.worn_radius(number) };
+        let base = if channel.state.place.offsets.is_some() { channel.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
         own + base
     }
 
     /// From the imaginary tip to the centre of the nose, in the plane.
     pub(in crate::action) fn nose_tip(&self, number: u32, plane: CodeId) -> [f64; 2] {
-        let across = self.state.place.layout.cartesian.first().copied().flatten();
-        let turns =
-            across.is_some_and(|axis| self.env.machine.axes[self.state.place.layout.axes[axis].machine].diameter);
-        if !(turns || self.is_turning()) || plane != codes::PLANE_ZX {
+        let channel = self.channel();
+        let layout = &channel.state.place.layout;
+        let across = layout.cartesian.first().copied().flatten();
+        let turns = across.is_some_and(|axis| channel.env.machine.axes[layout.axes[axis].machine].diameter);
+        if !(turns || channel.is_turning()) || plane != codes::PLANE_ZX {
             return [0.0; 2];
         }
-        TIPS.get(usize::from(self.offset_tip(number))).copied().unwrap_or_default()
+        TIPS.get(usize::from(channel.offset_tip(number))).copied().unwrap_or_default()
     }
 
     /// Takes a move: it may wait for the next one.
     pub(super) fn compensate(&mut self, step: Step) -> Acted {
         let last = self.last_move(&step);
         let done = self.take_step(step);
-        self.state.arcs.last = last;
+        self.channel_mut().state.arcs.last = last;
         done
-    }
-
-    /// A move as programmed, for circles that continue its direction.
-    fn last_move(&self, step: &Step) -> Option<LastMove> {
-        let Shape::Circle { made, axes, .. } = step.shape else {
-            let mut by = step.to;
-            by.iter_mut().zip(self.contour()).for_each(|(to, from)| *to -= from);
-            return Some(LastMove::By(by));
-        };
-        let scale = |axis: AxisSlot| self.state.place.layout.axes[axis].scale;
-        let [first, second] = axes;
-        let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
-        Some(LastMove::Round { axes, center, turn: made.sweep.signum() })
     }
 
     /// Makes or keeps back a move.
     fn take_step(&mut self, step: Step) -> Acted {
-        self.check_stop()?;
+        self.channel().check_stop()?;
         if !matches!(step.shape, Shape::Rapid) {
             self.check_feed(step.feed)?;
         }
-        if self.state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
+        if self.channel().state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
             return self.along_vector(step);
         }
         self.take_distortion();
         if self.block_has(data::CONTOUR_ALLOWANCE)
-            && let Some(code) = self.state.modal.code(group::DIAMETER).filter(|code| *code != codes::COMP_DIAM_OFF)
+            && let Some(code) = self.channel().state.modal.code(group::DIAMETER)
+            && code != codes::COMP_DIAM_OFF
         {
             switched(self, code)?;
         }
-        let from = self.contour();
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let from = self.channel().contour();
+        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
         if let Some(smooth) = cutter.smooth.take() {
             return self.smooth_step(step, smooth);
         }
@@ -300,28 +292,28 @@ impl Act<'_, '_> {
             return self.on_contour(&step);
         }
         let Some(element) = self.element(&step, &from, axes) else { return self.out_of_plane(step) };
-        self.check_stop()?;
+        self.channel().check_stop()?;
         let rapid = matches!(step.shape, Shape::Rapid);
         let round = matches!(step.shape, Shape::Circle { .. });
-        let rules = self.env.machine.compensation;
+        let rules = self.channel().env.machine.compensation;
         match stage {
             Stage::Ending(end) => {
                 self.report_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
                 self.corner_at_switch("off");
-                self.check_stop()?;
+                self.channel().check_stop()?;
                 self.around_end(&step, &element, end)?;
-                self.forget_cutter();
+                self.channel_mut().forget_cutter();
                 return self.on_contour(&step);
             }
             Stage::Start if first => {
                 self.report_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs));
-                if self.is_alarm(&diag::CORNER_AT_COMPENSATION) {
+                if self.channel().is_alarm(&diag::CORNER_AT_COMPENSATION) {
                     self.corner_at_switch("on");
                 }
             }
             Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } | Stage::Around { .. } => {}
         }
-        self.check_stop()?;
+        self.channel().check_stop()?;
         let mut element = element;
         self.cut_corners(&step, &mut element)?;
         if element.length() < NOISE {
@@ -331,7 +323,7 @@ impl Act<'_, '_> {
         self.come_to(&step, &element)?;
         self.resize(&step, &element)?;
         let corner = self.corner_of(&step);
-        if corner.is_none() && self.cutter().is_some_and(|cutter| cutter.plain) {
+        if corner.is_none() && self.channel_mut().cutter().is_some_and(|cutter| cutter.plain) {
             return self.without_waiting(&step, &element);
         }
         self.wait(step, Some(element), corner);
@@ -370,14 +362,14 @@ impl Act<'_, '_> {
 
     /// A move beside the plane: with a move that waits it waits too.
     fn out_of_plane(&mut self, step: Step) -> Acted {
-        let stands = self.state.place.position;
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let stands = self.channel().state.place.position;
+        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
         let due = cutter.is_due();
-        if due && self.env.machine.corners.dwell_only {
+        if due && self.channel().env.machine.corners.dwell_only {
             self.flush_lookahead()?;
             return self.out_of_plane(step);
         }
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
         if !cutter.waiting.is_empty() {
             self.count_zero_move(&step);
             self.wait(step, None, None);
@@ -393,61 +385,61 @@ impl Act<'_, '_> {
     /// The vector form: every straight move ends beside its point, in the direction of the vector.
     fn along_vector(&mut self, step: Step) -> Acted {
         let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| self.take(id).map(|d| d.value));
-        let vector = &mut self.state.place.compensation.vector;
+        let vector = &mut self.channel_mut().state.place.compensation.vector;
         for (slot, word) in vector.iter_mut().zip(words) {
             *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
         }
         let vector = *vector;
         let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
         let mut to = step.to;
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
         cutter.contour = step.to;
         let ending = cutter.stage.is_ending();
         let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
         for (role, part) in vector.into_iter().enumerate() {
-            let axis = self.state.place.layout.cartesian.get(role).copied().flatten();
+            let axis = self.channel().state.place.layout.cartesian.get(role).copied().flatten();
             if let Some(axis) = axis {
-                *to.at_mut(axis) += part * radius / self.state.place.scale_of(role);
+                *to.at_mut(axis) += part * radius / self.channel().state.place.scale_of(role);
             }
         }
         if ending {
-            self.forget_cutter();
+            self.channel_mut().forget_cutter();
         }
         self.straight(&step, to)
     }
 
     /// The program has ended: the waiting move is made, unless the job has been stopped.
     pub(crate) fn end_compensation(&mut self, halt: Halt) -> Halt {
-        if !self.is_compensated() {
+        if !self.channel().is_compensated() {
             return halt;
         }
-        let pending = self.cutter().and_then(|cutter| cutter.smooth.take());
+        let pending = self.channel_mut().cutter().and_then(|cutter| cutter.smooth.take());
         if pending.is_some()
             && matches!(halt, Halt::ProgramEnd(_))
             && let Err(stop) = self.refuse_way("the program ends before the contour of a soft approach", 10740)
         {
-            self.forget_cutter();
+            self.channel_mut().forget_cutter();
             return stop;
         }
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             // Blocks programmed before the alarm are executed.
-            self.clear_stop();
+            self.channel_mut().clear_stop();
             if halt == Halt::Alarm {
                 self.forget_corners();
             }
             let settled = self.flush_lookahead();
-            self.forget_cutter();
+            self.channel_mut().forget_cutter();
             return settled.err().unwrap_or(halt);
         }
         let mut events = self.release_events().into_iter();
         self.put_back_events(&mut events, usize::MAX, 0);
-        self.forget_cutter();
+        self.channel_mut().forget_cutter();
         halt
     }
 
     /// A macro has made another code of compensation active.
     pub(super) fn switch_compensation(&mut self) -> Acted {
-        match self.state.modal.code(group::DIAMETER) {
+        match self.channel().state.modal.code(group::DIAMETER) {
             Some(code) => switched(self, code),
             None => Ok(()),
         }
@@ -455,25 +447,25 @@ impl Act<'_, '_> {
 
     /// Finishes a move that has waited too long, or before a hole one with a corner at its end.
     pub(crate) fn flush_due(&mut self, hole: bool) -> Acted {
-        let now = self.at.blocks;
+        let now = self.channel().at.blocks;
         let is_due = |waits: &Waiting| if hole { waits.corner.is_some() } else { now - waits.block > LONGEST_WAIT };
-        let is_due = self.cutter().is_some_and(|cutter| cutter.waiting.iter().any(is_due));
+        let is_due = self.channel_mut().cutter().is_some_and(|cutter| cutter.waiting.iter().any(is_due));
         if is_due { self.flush_lookahead() } else { Ok(()) }
     }
 
     /// Keeps a move back, and all later events.
     fn wait(&mut self, step: Step, element: Option<Element>, corner: Option<Corner>) {
-        let (place, block, clock, micro) = (self.at.block_place(), self.at.blocks, self.at.clock, self.at.micro);
-        let (exact, end) = (self.block.flags.exact_stop, self.block.flags.end);
-        let text = self.text.edited.clone();
-        let open = self.cutter().and_then(|cutter| cutter.asked.open.take());
-        let smooth = self.cutter().and_then(|cutter| cutter.smooth.take());
+        let Channel { at, block: now, text, .. } = self.channel();
+        let (place, block, clock, micro) = (at.block_place(), at.blocks, at.clock, at.micro);
+        let (exact, end, text) = (now.flags.exact_stop, now.flags.end, text.edited.clone());
+        let open = self.channel_mut().cutter().and_then(|cutter| cutter.asked.open.take());
+        let smooth = self.channel_mut().cutter().and_then(|cutter| cutter.smooth.take());
         let first = element.is_some() || open.is_some() || smooth.is_some();
         if first {
             self.buffer_events();
         }
-        let (events, spindle) = (self.buffered_events(), self.state.spindle);
-        let Some(cutter) = self.cutter() else { return };
+        let (events, spindle) = (self.buffered_events(), self.channel().state.spindle);
+        let Some(cutter) = self.channel_mut().cutter() else { return };
         cutter.contour = step.to;
         if first {
             cutter.idle = 0;
@@ -494,7 +486,7 @@ impl Act<'_, '_> {
             events,
             spindle,
         });
-        self.block.flags.moved = true;
+        self.channel_mut().block.flags.moved = true;
         self.note_effect();
     }
 }

@@ -11,6 +11,7 @@ use std::f64::consts::TAU;
 use super::{Cutter, Shape, Step};
 use crate::act::Act;
 use crate::action::arc::Circle;
+use crate::state::arc::LastMove;
 use crate::state::cutter::{Stage, Waiting};
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_fault as diag;
@@ -21,35 +22,48 @@ use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, beside,
 use counterpoint_program::block::ContourEnd;
 
 impl Act<'_, '_> {
+    /// A move as programmed, for circles that continue its direction.
+    pub(super) fn last_move(&self, step: &Step) -> Option<LastMove> {
+        let Shape::Circle { made, axes, .. } = step.shape else {
+            let mut by = step.to;
+            by.iter_mut().zip(self.channel().contour()).for_each(|(to, from)| *to -= from);
+            return Some(LastMove::By(by));
+        };
+        let scale = |axis: AxisSlot| self.channel().state.place.layout.axes[axis].scale;
+        let [first, second] = axes;
+        let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
+        Some(LastMove::Round { axes, center, turn: made.sweep.signum() })
+    }
+
     /// Coordinate of a position as geometry.
     pub(super) fn radial(&self, of: &Position, axis: AxisSlot) -> f64 {
-        let scale = self.state.place.layout.axes[axis].scale;
+        let scale = self.channel().state.place.layout.axes[axis].scale;
         of.at(axis) * scale
     }
 
     /// A position in the plane of compensation: that of the part under polar interpolation.
     pub(super) fn plane_spot(&self, of: &Position, axes: [AxisSlot; 2]) -> Spot {
-        match self.polar() {
-            Some(polar) => polar.part(&self.state.place, of),
+        match self.channel().polar() {
+            Some(polar) => polar.part(&self.channel().state.place, of),
             None => axes.map(|axis| self.radial(of, axis)),
         }
     }
 
     /// Where the tool's centre is in the plane.
     pub(super) fn spot_of(&self, cutter: &Cutter) -> Spot {
-        plus(self.plane_spot(&self.state.place.position, cutter.axes), cutter.tip, 1.0)
+        plus(self.plane_spot(&self.channel().state.place.position, cutter.axes), cutter.tip, 1.0)
     }
 
     /// The position that puts the tool's centre on a point straight from where it is, the other axes where `to` has
     /// them.
     pub(super) fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
         let mut position = *to;
-        if let Some(polar) = self.polar() {
-            polar.reach_straight(&self.state.place, &mut position, spot);
+        if let Some(polar) = self.channel().polar() {
+            polar.reach_straight(&self.channel().state.place, &mut position, spot);
             return position;
         }
         for (axis, value) in cutter.axes.into_iter().zip(plus(spot, cutter.tip, -1.0)) {
-            let scale = self.state.place.layout.axes[axis].scale;
+            let scale = self.channel().state.place.layout.axes[axis].scale;
             *position.at_mut(axis) = crate::state::frames::clean(value / scale, position.at(axis));
         }
         position
@@ -58,16 +72,22 @@ impl Act<'_, '_> {
     /// The same along an arc of the tool's centre.
     pub(super) fn position_round(&self, cutter: &Cutter, to: &Position, spot: Spot, made: &Arc) -> Position {
         let mut position = self.position_at(cutter, to, spot);
-        if let Some(polar) = self.polar() {
-            polar.reach(&self.state.place, &mut position, spot, crate::action::polar::way_round(made));
+        if let Some(polar) = self.channel().polar() {
+            polar.reach(&self.channel().state.place, &mut position, spot, crate::action::polar::way_round(made));
         }
         position
     }
 
     pub(super) fn offset(&self, cutter: &Cutter) -> Offset {
-        let limit = libm::cos(self.env.machine.compensation.corner_angle.to_radians());
-        let shape = self.env.machine.compensation.corner_shape.map(|shape| self.shape(shape));
-        Offset { side: cutter.side, radius: cutter.radius, corner: self.state.place.compensation.corner, limit, shape }
+        let limit = libm::cos(self.channel().env.machine.compensation.corner_angle.to_radians());
+        let shape = self.channel().env.machine.compensation.corner_shape.map(|shape| self.shape(shape));
+        Offset {
+            side: cutter.side,
+            radius: cutter.radius,
+            corner: self.channel().state.place.compensation.corner,
+            limit,
+            shape,
+        }
     }
 
     /// Takes the distortion of round corners from the block.
@@ -75,13 +95,13 @@ impl Act<'_, '_> {
         if self.block_has(data::CONTOUR_DISTORTION)
             && let Some(value) = self.take(data::CONTOUR_DISTORTION).map(|datum| datum.value)
         {
-            self.state.remembered.remember(data::CONTOUR_DISTORTION, value);
+            self.channel_mut().state.remembered.remember(data::CONTOUR_DISTORTION, value);
         }
     }
 
     /// Limits of outside corners, with the distortion that the program has set.
     fn shape(&self, limits: CornerShape) -> corner::Shape {
-        let asked = self.state.remembered.value(data::CONTOUR_DISTORTION).unwrap_or(0.0);
+        let asked = self.channel().state.remembered.value(data::CONTOUR_DISTORTION).unwrap_or(0.0);
         let [sharp, flat] = [limits.sharp, limits.flat].map(|turn| libm::cos(turn.to_radians()));
         corner::Shape { sharp, flat, distortion: asked.clamp(0.0, limits.distortion) / 100.0 }
     }
@@ -101,17 +121,17 @@ impl Act<'_, '_> {
 
     /// Carries moves out while compensation does not take them.
     fn without_cutter<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
-        let cutter = self.frames().cutter.take();
+        let cutter = self.channel_mut().frames().cutter.take();
         let result = act(self);
         if cutter.is_some() {
-            self.frames().cutter = cutter;
+            self.channel_mut().frames().cutter = cutter;
         }
         result
     }
 
     /// Where a piece begins after one that did not know it: around the corner, or straight.
     pub(super) fn come_to(&mut self, step: &Step, element: &Element) -> Acted {
-        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter().cloned() else { return Ok(()) };
         let offset = self.offset(&cutter);
         let links = match cutter.stage {
             Stage::Start => {
@@ -137,21 +157,23 @@ impl Act<'_, '_> {
             Stage::Turned => vec![Link::Line(offset.at_start(element))],
             Stage::On | Stage::Ending(_) => return Ok(()),
         };
-        if let Some(cutter) = self.cutter() {
+        if let Some(cutter) = self.channel_mut().cutter() {
             cutter.stage = Stage::On;
         }
-        self.links((step, element), &cutter, &links, self.state.place.position)
+        self.links((step, element), &cutter, &links, self.channel().state.place.position)
     }
 
     /// Finishes the waiting move, now that the next piece is known (or will not be).
     pub(in crate::action) fn next_element(&mut self, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.cutter().filter(|cutter| !cutter.waiting.is_empty()) else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter().filter(|cutter| !cutter.waiting.is_empty()) else {
+            return Ok(());
+        };
         let waiting = std::mem::take(&mut cutter.waiting);
         cutter.idle = 0;
         let mut begun = cutter.stage;
-        let now = (self.at.clock, self.at.micro, self.block.flags.exact_stop);
-        let place = self.at.block_place();
-        let (edited, spindle) = (self.text.edited.clone(), self.state.spindle);
+        let now = (self.channel().at.clock, self.channel().at.micro, self.channel().block.flags.exact_stop);
+        let place = self.channel().at.block_place();
+        let (edited, spindle) = (self.channel().text.edited.clone(), self.channel().state.spindle);
         let mut events = self.release_events().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
         let (mut result, mut missing) = (Ok(()), None);
@@ -160,44 +182,44 @@ impl Act<'_, '_> {
             self.put_back_events(&mut events, waits.events.saturating_sub(out), late);
             out = out.max(waits.events);
             self.go_to(waits, late);
-            let before = self.at.clock;
-            self.state.spindle = waits.spindle;
+            let before = self.channel().at.clock;
+            self.channel_mut().state.spindle = waits.spindle;
             if result.is_ok() {
                 missing = missing.or_else(|| self.missing(waits));
                 result = self.make(waits, begun, next);
-                begun = match self.cutter().map(|cutter| cutter.stage) {
+                begun = match self.channel_mut().cutter().map(|cutter| cutter.stage) {
                     Some(stage @ Stage::Around { .. }) => stage,
                     _ if waits.element.is_some() || waits.smooth.is_some() => Stage::On,
                     _ => begun,
                 };
             }
-            late = late.saturating_add(self.at.clock.saturating_sub(before));
+            late = late.saturating_add(self.channel().at.clock.saturating_sub(before));
         }
         self.put_back_events(&mut events, usize::MAX, late);
-        self.state.spindle = spindle;
-        (self.at.clock, self.at.micro, self.block.flags.exact_stop) = now;
-        self.at.go_to(place);
-        self.text.edited = edited;
-        self.at.clock = self.at.clock.saturating_add(late);
+        self.channel_mut().state.spindle = spindle;
+        (self.channel_mut().at.clock, self.channel_mut().at.micro, self.channel_mut().block.flags.exact_stop) = now;
+        self.channel_mut().at.go_to(place);
+        self.channel_mut().text.edited = edited;
+        self.channel_mut().at.clock = self.channel().at.clock.saturating_add(late);
         if late > 0 {
-            self.at.micro = 0;
+            self.channel_mut().at.micro = 0;
         }
         if let Some((facts, text)) = missing.filter(|_| result.is_ok()) {
             self.diagnose(facts, text);
-            return self.check_stop();
+            return self.channel().check_stop();
         }
         result
     }
 
     /// Makes a move that has waited.
     fn make(&mut self, waits: &Waiting, begun: Stage, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter().cloned() else { return Ok(()) };
         if let Some(smooth) = &waits.smooth {
             return self.smooth_approach(waits, smooth, next);
         }
         let (step, offset) = (&waits.step, self.offset(&cutter));
         let Some(element) = &waits.element else {
-            let to = cutter.lifted(&step.to, &self.state.place.position);
+            let to = cutter.lifted(&step.to, &self.channel().state.place.position);
             return self.straight(step, to);
         };
         if matches!(begun, Stage::Around { .. }) {
@@ -207,8 +229,8 @@ impl Act<'_, '_> {
             Some(_) => Stage::On,
             None => Stage::Settled { corner: element.to, along: element.end() },
         };
-        let ended = self.at.line;
-        if let Some(cutter) = self.cutter() {
+        let ended = self.channel().at.line;
+        if let Some(cutter) = self.channel_mut().cutter() {
             (cutter.stage, cutter.ended) = (stage, ended);
         }
         if begun == Stage::Start && !matches!(step.shape, Shape::Circle { .. }) {
@@ -217,7 +239,7 @@ impl Act<'_, '_> {
             {
                 let to = self.position_at(&cutter, &step.to, corner.end);
                 self.straight(step, to)?;
-                let level = self.state.place.position;
+                let level = self.channel().state.place.position;
                 return self.links((step, element), &cutter, &corner.links, level);
             }
             let end = match (waits.end, next) {
@@ -233,7 +255,7 @@ impl Act<'_, '_> {
         let here = self.spot_of(&cutter);
         let corner = match next {
             Some(next) if self.circle_follows(waits, &offset, (element, next)) => {
-                if let Some(cutter) = self.cutter() {
+                if let Some(cutter) = self.channel_mut().cutter() {
                     cutter.stage = Stage::Around { corner: element.to, along: element.end() };
                 }
                 let hurts = element.is_smaller(cutter.side, cutter.radius);
@@ -264,13 +286,13 @@ impl Act<'_, '_> {
             self.diagnose(&diag::CUTTER_INTERFERENCE, text);
         }
         self.along(step, &cutter, element, corner.end)?;
-        let to = self.state.place.position;
+        let to = self.channel().state.place.position;
         self.links((step, element), &cutter, &corner.links, to)
     }
 
     /// Whether the circle around the end of a piece belongs to the move after it.
     fn circle_follows(&self, waits: &Waiting, offset: &Offset, (first, second): (&Element, &Element)) -> bool {
-        self.env.machine.compensation.corner_after
+        self.channel().env.machine.compensation.corner_after
             && waits.end == ContourEnd::Meets
             && offset.goes_around(first, second)
     }
@@ -304,7 +326,17 @@ impl Act<'_, '_> {
         let to = self.position_round(cutter, &step.to, end, &made);
         let Step { coded, unit, .. } = *step;
         let feed = self.edge_feed(step.feed, unit, radius / arc.radius);
-        self.round(&Circle { made, coded, from: self.state.place.position, to, axes, turns, feed, unit, screw: None })
+        self.round(&Circle {
+            made,
+            coded,
+            from: self.channel().state.place.position,
+            to,
+            axes,
+            turns,
+            feed,
+            unit,
+            screw: None,
+        })
     }
 
     pub(super) fn round(&mut self, circle: &Circle) -> Acted {
@@ -343,7 +375,7 @@ impl Act<'_, '_> {
 
     /// Feed per minute of a circle around a corner between rapid moves: the rate of the slower axis of the plane.
     fn rapid_round(&self, axes: [AxisSlot; 2], limit: Option<f64>) -> Option<f64> {
-        let rates = axes.map(|axis| self.state.place.layout.axes[axis].rapid * 60.0);
+        let rates = axes.map(|axis| self.channel().state.place.layout.axes[axis].rapid * 60.0);
         let rate = rates.into_iter().chain(limit).fold(f64::INFINITY, f64::min);
         Some(rate).filter(|rate| rate.is_finite())
     }
@@ -357,7 +389,7 @@ impl Act<'_, '_> {
         };
         match (round, step.shape) {
             (Some((made, axes)), shape) => {
-                let from = self.state.place.position;
+                let from = self.channel().state.place.position;
                 let (feed, unit) = match shape {
                     Shape::Rapid => (self.rapid_round(axes, feed), FeedUnit::PerMinute),
                     _ => (feed, unit),

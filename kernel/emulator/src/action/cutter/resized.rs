@@ -17,23 +17,23 @@ use counterpoint_motion::contour::element::Element;
 /// The active number has changed while this code is active.
 pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     before(act, Contour::Waits, code)?;
-    let number = act.diameter_in_force().unwrap_or(0);
+    let number = act.channel().diameter_in_force().unwrap_or(0);
     let radius = act.cutter_radius(number) + contour_allowance(act);
-    act.check_stop()?;
+    act.channel().check_stop()?;
     let plane = compensated_plane(act).map(|(plane, _)| plane);
     let tip = plane.map_or([0.0; 2], |plane| act.nose_tip(number, plane)).map(|part| part * radius);
-    let begun = act.cutter().filter(|cutter| !cutter.plain && !cutter.suspended).is_some_and(|cutter| {
+    let begun = act.channel_mut().cutter().filter(|cutter| !cutter.plain && !cutter.suspended).is_some_and(|cutter| {
         !matches!(cutter.stage, Stage::Ending(_) | Stage::Turned)
             && (cutter.stage != Stage::Start || !cutter.waiting.is_empty())
     });
-    let cancels = number == 0 && act.env.machine.compensation.zero_cancels;
+    let cancels = number == 0 && act.channel().env.machine.compensation.zero_cancels;
     if !begun || radius < 0.0 || cancels {
         return switched(act, code);
     }
     if radius == 0.0 {
         no_radius(act, number);
     }
-    if let Some(cutter) = act.cutter() {
+    if let Some(cutter) = act.channel_mut().cutter() {
         cutter.resized = Some((radius, tip));
     }
     Ok(())
@@ -42,7 +42,7 @@ pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
 impl Act<'_, '_> {
     /// Another number is active, with or without compensation.
     pub(in crate::action) fn resize_compensation(&mut self) -> Acted {
-        match self.state.modal.code(group::DIAMETER) {
+        match self.channel().state.modal.code(group::DIAMETER) {
             Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) => resized(self, code),
             _ => Ok(()),
         }
@@ -51,7 +51,7 @@ impl Act<'_, '_> {
     /// The radius that a number of the block has selected counts from the end of its move on; an arc begins beside its
     /// start.
     pub(super) fn resize(&mut self, step: &Step, element: &Element) -> Acted {
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
         let Some((radius, tip)) = cutter.resized.take() else { return Ok(()) };
         (cutter.radius, cutter.tip) = (radius, tip);
         let cutter = cutter.clone();
@@ -59,6 +59,6 @@ impl Act<'_, '_> {
             return Ok(());
         }
         let start = self.offset(&cutter).at_start(element);
-        self.links((step, element), &cutter, &[Link::Line(start)], self.state.place.position)
+        self.links((step, element), &cutter, &[Link::Line(start)], self.channel().state.place.position)
     }
 }

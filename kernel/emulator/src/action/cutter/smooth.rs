@@ -45,17 +45,17 @@ const TOLERANCE: f64 = 0.01;
 fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
     act.flush_lookahead()?;
     if !corner::take_part(act) {
-        return act.check_stop();
+        return act.channel().check_stop();
     }
     let before = speed_before(act);
-    let (id, unit) = feed_of(act.state.modal.code(group::FEED));
+    let (id, unit) = feed_of(act.channel().state.modal.code(group::FEED));
     let own = if unit != FeedUnit::InverseTime && act.block_has(id) {
         let (feed, unit) = act.feed();
         Some(Speed::Feed(feed, unit))
     } else {
         None
     };
-    let feed = Speed::Feed(act.state.remembered.value(id), unit);
+    let feed = Speed::Feed(act.channel().state.remembered.value(id), unit);
     let slow = [
         (data::SMOOTH_FEED, unit),
         (data::SMOOTH_FEED_UPM, FeedUnit::PerMinute),
@@ -64,7 +64,7 @@ fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
     let slow = slow.map(|(id, unit)| act.take(id).map(|datum| Speed::Feed(Some(datum.value), unit)));
     let level = level_of(act, [data::SMOOTH_LEVEL, data::SMOOTH_LEVEL_AT]);
     let retraction = level_of(act, [data::SMOOTH_RETRACTION, data::SMOOTH_RETRACTION_AT]);
-    let lies = match act.state.modal.code(LIES) {
+    let lies = match act.channel().state.modal.code(LIES) {
         Some(codes::SMOOTH_SIDE_LEFT) => Lies::Left,
         Some(codes::SMOOTH_SIDE_RIGHT) => Lies::Right,
         Some(codes::SMOOTH_SIDE_POINT) => Lies::WithPoint,
@@ -74,7 +74,7 @@ fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
         leaves,
         form,
         lies,
-        in_space: act.state.modal.code(DEPTH) != Some(codes::SMOOTH_IN_PLANE),
+        in_space: act.channel().state.modal.code(DEPTH) != Some(codes::SMOOTH_IN_PLANE),
         size: act.take(data::SMOOTH_SIZE).map_or(0.0, |datum| datum.value),
         level,
         retraction,
@@ -84,16 +84,16 @@ fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
         feed,
         heading: if leaves { act.heading() } else { None },
     };
-    if act.cutter().is_some_and(|cutter| cutter.smooth.is_some()) {
+    if act.channel_mut().cutter().is_some_and(|cutter| cutter.smooth.is_some()) {
         return act.refuse_way("a way to the contour is asked for again before the contour has begun", 10743);
     }
     if leaves && !act.has_axis_word() {
         return act.smooth_retract(None, &smooth);
     }
-    if let Some(cutter) = act.cutter() {
+    if let Some(cutter) = act.channel_mut().cutter() {
         cutter.smooth = Some(Box::new(smooth));
     }
-    act.check_stop()
+    act.channel().check_stop()
 }
 
 /// Groups of the side and of the kind of descent.
@@ -102,14 +102,14 @@ const DEPTH: u16 = 147;
 
 /// Speed of the blocks before this one.
 fn speed_before(act: &Act<'_, '_>) -> Speed {
-    if act.state.modal.code(group::MOTION) == Some(codes::RAPID) {
+    if act.channel().state.modal.code(group::MOTION) == Some(codes::RAPID) {
         return Speed::Rapid;
     }
-    let (id, unit) = feed_of(act.state.modal.code(group::FEED));
-    match act.state.arcs.feed {
+    let (id, unit) = feed_of(act.channel().state.modal.code(group::FEED));
+    match act.channel().state.arcs.feed {
         // The block itself changes the type of the feed.
         Some((feed, last)) if last != unit && last != FeedUnit::Rapid => Speed::Feed(Some(feed), last),
-        _ => Speed::Feed(act.state.remembered.value(id), unit),
+        _ => Speed::Feed(act.channel().state.remembered.value(id), unit),
     }
 }
 
@@ -142,14 +142,14 @@ impl Act<'_, '_> {
     pub(super) fn refuse_way(&mut self, why: &str, alarm: u32) -> Acted {
         let text = format!("'{}': {why} (alarm {alarm})", self.block_text());
         self.diagnose(&diag::CONTOUR_APPROACH, text);
-        self.check_stop()
+        self.channel().check_stop()
     }
 
     /// Direction of the contour where it ends.
     fn heading(&mut self) -> Option<Spot> {
-        let here = self.contour();
-        let last = self.state.arcs.last;
-        let cutter = self.cutter()?;
+        let here = self.channel().contour();
+        let last = self.channel().state.arcs.last;
+        let cutter = self.channel_mut().cutter()?;
         let axes = cutter.axes;
         match cutter.stage {
             Stage::Settled { along, .. } | Stage::Ending(Some((_, along))) => return Some(along),
@@ -159,7 +159,7 @@ impl Act<'_, '_> {
             LastMove::By(by) => axes.map(|axis| self.radial(&by, axis)),
             LastMove::Round { axes: round, center, turn } if round == axes => {
                 let center = [(axes[0], center[0]), (axes[1], center[1])]
-                    .map(|(axis, at)| at * self.state.place.layout.axes[axis].scale);
+                    .map(|(axis, at)| at * self.channel().state.place.layout.axes[axis].scale);
                 let [x, y] = plus(axes.map(|axis| self.radial(&here, axis)), center, -1.0);
                 [-y * turn, x * turn]
             }
@@ -177,7 +177,7 @@ impl Act<'_, '_> {
         if matches!(step.shape, Shape::Circle { .. }) {
             return self.refuse_way("the move that gives the beginning of the contour is a circle", 10745);
         }
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
         let in_plane = cutter.axes.iter().any(|axis| step.coded & axis.bit() != 0);
         cutter.smooth = Some(smooth);
         if in_plane {
@@ -185,16 +185,16 @@ impl Act<'_, '_> {
         } else {
             // Only the height of the contour.
             cutter.contour = step.to;
-            self.block.flags.moved = true;
+            self.channel_mut().block.flags.moved = true;
         }
-        self.check_stop()
+        self.channel().check_stop()
     }
 
     /// Axis along the tool.
     fn axis_of_tool(&self) -> Option<AxisSlot> {
-        let plane = self.state.modal.code(group::PLANE).and_then(plane)?;
+        let plane = self.channel().state.modal.code(group::PLANE).and_then(plane)?;
         let role = (0..3).find(|role| *role != plane.first && *role != plane.second)?;
-        self.state.place.layout.cartesian.get(role).copied().flatten()
+        self.channel().state.place.layout.cartesian.get(role).copied().flatten()
     }
 
     /// A height as a coordinate.
@@ -202,9 +202,9 @@ impl Act<'_, '_> {
         match level {
             Level::Above(by) => contour + up * by,
             Level::At(at) => {
-                let mut point = self.programmed();
+                let mut point = self.channel().programmed();
                 *point.at_mut(axis) = at;
-                self.work_point(&point).at(axis)
+                self.channel_mut().work_point(&point).at(axis)
             }
         }
     }
@@ -273,7 +273,7 @@ impl Act<'_, '_> {
 
     /// A straight part of a path.
     fn part(&mut self, coded: u8, to: Position, speed: Speed) -> Acted {
-        if to == self.state.place.position {
+        if to == self.channel().state.place.position {
             return Ok(());
         }
         let step = match speed {
@@ -311,13 +311,13 @@ impl Act<'_, '_> {
             sweep: side * sweep,
         };
         let to = self.position_round(cutter, &level, to, &made);
-        let from = self.state.place.position;
+        let from = self.channel().state.place.position;
         self.round(&Circle { made, coded, from, to, axes: cutter.axes, turns: 0, feed, unit, screw: None })
     }
 
     /// Makes the path to a contour whose first piece is known now.
     pub(super) fn smooth_approach(&mut self, waits: &Waiting, smooth: &Smooth, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter().cloned() else { return Ok(()) };
         let step = &waits.step;
         let Some(next) = next else {
             self.refuse_way("no move of the plane follows the way to the contour", 10740)?;
@@ -327,10 +327,10 @@ impl Act<'_, '_> {
         let (at, here) = (offset.at_start(next), self.spot_of(&cutter));
         let touch = self.touch(smooth, &cutter, (at, next.start()), (Some(here), -1.0))?;
         let tool = self.axis_of_tool();
-        let stands = tool.map(|axis| self.state.place.position.at(axis));
+        let stands = tool.map(|axis| self.channel().state.place.position.at(axis));
         let contour = tool.map_or(0.0, |axis| step.to.at(axis));
         let heights = self.heights(smooth, contour, stands)?;
-        if let Some(cutter) = self.cutter() {
+        if let Some(cutter) = self.channel_mut().cutter() {
             cutter.stage = Stage::On;
         }
         let Some((touch, heights)) = touch.zip(heights) else {
@@ -370,13 +370,13 @@ impl Act<'_, '_> {
 
     /// Makes the path from a contour; a step says where it ends.
     fn smooth_retract(&mut self, step: Option<&Step>, smooth: &Smooth) -> Acted {
-        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().cutter().cloned() else { return Ok(()) };
         let Some(heading) = smooth.heading else {
             self.refuse_way("no move of the plane is before it, so the contour has no direction", 10747)?;
             self.left_contour();
             return Ok(());
         };
-        let here = self.state.place.position;
+        let here = self.channel().state.place.position;
         let coded = step.map_or(0, |step| step.coded);
         let in_plane = cutter.axes.iter().any(|axis| coded & axis.bit() != 0);
         let end = step.filter(|_| in_plane).map(|step| plus(self.plane_spot(&step.to, cutter.axes), cutter.tip, 1.0));
@@ -435,17 +435,17 @@ impl Act<'_, '_> {
             }
         }
         self.left_contour();
-        self.block.flags.moved = true;
-        self.check_stop()
+        self.channel_mut().block.flags.moved = true;
+        self.channel().check_stop()
     }
 
     /// Records that the tool has left the contour: its position is the programmed one.
     fn left_contour(&mut self) {
-        let position = self.state.place.position;
-        let Some(cutter) = self.cutter() else { return };
+        let position = self.channel().state.place.position;
+        let Some(cutter) = self.channel_mut().cutter() else { return };
         (cutter.contour, cutter.smooth) = (position, None);
         if cutter.stage.is_ending() {
-            self.forget_cutter();
+            self.channel_mut().forget_cutter();
         } else if cutter.plain {
             corner::end(self);
         } else {

@@ -23,7 +23,7 @@ const PARALLEL: f64 = 1e-3;
 
 /// Ends the move that waits at the wall whose direction is in the block.
 pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
-    if !act.env.machine.compensation.wall || act.polar().is_some() {
+    if !act.channel().env.machine.compensation.wall || act.channel().polar().is_some() {
         return Ok(());
     }
     // Beside a circle they are its centre.
@@ -33,7 +33,7 @@ pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
     let Some((code, axes)) = compensated_plane(act) else { return Ok(()) };
     let Some((from, along)) = direction(act, code, axes) else { return Ok(()) };
     let length = distance(along, [0.0; 2]);
-    let Some(cutter) = act.cutter().filter(|cutter| !cutter.plain) else { return Ok(()) };
+    let Some(cutter) = act.channel_mut().cutter().filter(|cutter| !cutter.plain) else { return Ok(()) };
     let Some(last) = cutter.waiting.iter_mut().rfind(|waits| waits.element.is_some()) else { return Ok(()) };
     let heading = last.element.as_ref().map_or([0.0; 2], Element::end);
     if length < NOISE || cross(heading, along).abs() < length * PARALLEL {
@@ -48,34 +48,38 @@ pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
 fn direction(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) -> Option<(Spot, Spot)> {
     let plane = plane(code)?;
     let words = plane.centers.map(|id| act.take(id).map_or(0.0, |datum| datum.value));
-    let contour = act.contour();
+    let contour = act.channel().contour();
     // The direction is turned and mirrored with the points of the program.
-    let mut beside = act.program_point(&contour);
+    let mut beside = act.channel().program_point(&contour);
     for (axis, word) in axes.into_iter().zip(words) {
-        let scale = act.state.place.layout.axes[axis].scale;
+        let scale = act.channel().state.place.layout.axes[axis].scale;
         *beside.at_mut(axis) += word / scale;
     }
-    let beside = act.work_point_aside(&beside);
+    let beside = act.channel_mut().work_point_aside(&beside);
     let [from, beside] = [contour, beside].map(|of| act.plane_spot(&of, axes));
     Some((from, plus(beside, from, -1.0)))
 }
 
 /// Ends the move of the block that switches compensation on perpendicular to the direction that the block gives.
 pub(super) fn at_vector(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) {
-    if !act.env.machine.compensation.vector || act.polar().is_some() || !act.has_axis_word() || is_round(act) {
+    if !act.channel().env.machine.compensation.vector
+        || act.channel().polar().is_some()
+        || !act.has_axis_word()
+        || is_round(act)
+    {
         return;
     }
     let Some((_, along)) = direction(act, code, axes) else { return };
     let length = distance(along, [0.0; 2]);
     if length > NOISE {
-        act.block.flags.end = ContourEnd::Beside(along.map(|part| part / length));
+        act.channel_mut().block.flags.end = ContourEnd::Beside(along.map(|part| part / length));
     }
 }
 
 /// Whether the centre words belong to a circle of the block.
 fn is_round(act: &Act<'_, '_>) -> bool {
-    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
+    let rows = act.channel().block.pending.iter().map(|pending| &act.channel().env.machine.codes[pending.row]);
     let written = rows.filter(|row| row.group == group::MOTION).map(|row| row.id).next_back();
-    let motion = written.or_else(|| act.state.modal.code(group::MOTION));
+    let motion = written.or_else(|| act.channel().state.modal.code(group::MOTION));
     !matches!(motion, Some(codes::RAPID | codes::INTERP_LINEAR))
 }

@@ -16,7 +16,7 @@ use crate::state::corner::{Asked, Corner, Side};
 pub(in crate::action) fn has_words(act: &Act<'_, '_>, code: CodeId) -> bool {
     let registers = act.contour_registers();
     let straight = matches!(code, codes::INTERP_LINEAR | codes::RAPID);
-    act.has_any(if straight { registers.line } else { registers.arc })
+    act.channel().has_any(if straight { registers.line } else { registers.arc })
 }
 
 /// Executes a move with the corner words of its block.
@@ -30,9 +30,9 @@ pub(in crate::action) fn with_words<'a, 'k>(
         return moves(act);
     }
     let asked = take(act, code);
-    act.check_stop()?;
+    act.channel().check_stop()?;
     if asked.is_empty() {
-        if let Some(cutter) = act.cutter() {
+        if let Some(cutter) = act.channel_mut().cutter() {
             cutter.asked = asked;
         }
         return moves(act);
@@ -40,25 +40,25 @@ pub(in crate::action) fn with_words<'a, 'k>(
     if !corner::take_part(act) {
         return moves(act);
     }
-    if let Some(cutter) = act.cutter() {
+    if let Some(cutter) = act.channel_mut().cutter() {
         cutter.asked = asked;
     }
     moves(act)?;
-    let left = act.cutter().map(|cutter| std::mem::take(&mut cutter.asked));
+    let left = act.channel_mut().cutter().map(|cutter| std::mem::take(&mut cutter.asked));
     if left.is_some_and(|left| !left.is_empty()) {
         refused(act, "the block has no move in the plane that it could act on");
     }
     corner::end(act);
-    act.check_stop()
+    act.channel().check_stop()
 }
 
 /// Whether other codes of the block ignore all these words (`G40 I K`): they are neither corners nor angles.
 fn only_ignored(act: &Act<'_, '_>, code: CodeId) -> bool {
     let registers = act.contour_registers();
     let registers = if matches!(code, codes::INTERP_LINEAR | codes::RAPID) { registers.line } else { registers.arc };
-    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
+    let rows = act.channel().block.pending.iter().map(|pending| &act.channel().env.machine.codes[pending.row]);
     let ignored = rows.flat_map(|row| &row.ignores).fold(0_u128, |bits, register| bits | register.bit());
-    !act.has_any(registers & !ignored)
+    !act.channel().has_any(registers & !ignored)
 }
 
 /// A word that cannot act.
@@ -85,8 +85,8 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
         }
     }
     // Polar interpolation has words of its own.
-    if straight && act.polar().is_none() {
-        let [x, _, z] = act.state.place.layout.cartesian;
+    if straight && act.channel().polar().is_none() {
+        let [x, _, z] = act.channel().state.place.layout.cartesian;
         for (id, axis, cut) in [
             (data::CORNER_SIDE, None, Cut::Legs as fn(f64) -> Cut),
             (data::CORNER_SIDE_X, x, Cut::Legs),
@@ -117,7 +117,7 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
         Some((_, corner)) => asked.corner = Some(*corner),
         None => {}
     }
-    if code == codes::RAPID && !asked.is_empty() && !act.env.machine.corners.rapid {
+    if code == codes::RAPID && !asked.is_empty() && !act.channel().env.machine.corners.rapid {
         refused(act, "a rapid move has no corner");
         return Asked::default();
     }
@@ -135,9 +135,9 @@ pub(in crate::action) fn polar(act: &mut Act<'_, '_>) -> Option<[f64; 2]> {
     let mut both = [0.0; 2];
     for ((slot, id), own) in both.iter_mut().zip(ids).zip(own) {
         if let Some(value) = own {
-            act.state.remembered.remember(id, value);
+            act.channel_mut().state.remembered.remember(id, value);
         }
-        match act.state.remembered.value(id).filter(|value| value.is_finite()) {
+        match act.channel().state.remembered.value(id).filter(|value| value.is_finite()) {
             Some(value) => *slot = value,
             None => refused(act, "distance from the pole and angle are not both known"),
         }
@@ -147,7 +147,8 @@ pub(in crate::action) fn polar(act: &mut Act<'_, '_>) -> Option<[f64; 2]> {
 
 /// The corner that a code of the block makes of a word.
 fn corner_of_code(act: &mut Act<'_, '_>, feed: Option<f64>) -> Option<(f64, Corner)> {
-    let (rounds, _) = act.state.arcs.corner.take().filter(|(_, block)| *block == act.at.blocks)?;
+    let (rounds, _) =
+        act.channel_mut().state.arcs.corner.take().filter(|(_, block)| *block == act.channel().at.blocks)?;
     let value = act.take(data::CORNER_SIZE)?.value;
     let size = value.abs();
     let cut = if rounds { Cut::Round(size) } else { Cut::Legs(size) };
@@ -160,16 +161,16 @@ pub(in crate::action) fn code(act: &mut Act<'_, '_>, rounds: bool) -> Acted {
     if !act.block_has(data::CORNER_SIZE) {
         refused(act, "the code has no length or radius");
     }
-    act.state.arcs.corner = Some((rounds, act.at.blocks));
-    act.check_stop()
+    act.channel_mut().state.arcs.corner = Some((rounds, act.channel().at.blocks));
+    act.channel().check_stop()
 }
 
 /// A word of a register that no axis of the channel has and no code of the block ignores.
 fn take_beside_axes(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
-    let axes = act.state.place.layout.axes.iter().fold(0, |bits, axis| bits | act.registers_of(axis.data));
-    let rows = act.block.pending.iter().map(|pending| &act.env.machine.codes[pending.row]);
+    let axes = act.channel().state.place.layout.axes.iter().fold(0, |bits, axis| bits | act.registers_of(axis.data));
+    let rows = act.channel().block.pending.iter().map(|pending| &act.channel().env.machine.codes[pending.row]);
     let ignored = rows.flat_map(|row| &row.ignores).fold(0_u128, |bits, &register| bits | 1 << register.index());
-    if act.registers_of(id) & (axes | ignored) & act.block.present != 0 {
+    if act.registers_of(id) & (axes | ignored) & act.channel().block.present != 0 {
         return None;
     }
     act.take(id).map(|datum| datum.value)
@@ -178,10 +179,10 @@ fn take_beside_axes(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
 /// Feed of the corners of a block.
 fn own_feed(act: &mut Act<'_, '_>) -> Option<f64> {
     if let Some(feed) = act.take(data::CORNER_FEED_MODAL).map(|datum| datum.value) {
-        act.state.remembered.remember(data::CORNER_FEED_MODAL, feed);
+        act.channel_mut().state.remembered.remember(data::CORNER_FEED_MODAL, feed);
     }
     let own = act.take(data::CORNER_FEED).map(|datum| datum.value);
-    own.or_else(|| act.state.remembered.value(data::CORNER_FEED_MODAL)).filter(|feed| *feed > 0.0)
+    own.or_else(|| act.channel().state.remembered.value(data::CORNER_FEED_MODAL)).filter(|feed| *feed > 0.0)
 }
 
 /// Rounding of all corners from this block on.
@@ -191,10 +192,10 @@ fn modal_rounding(act: &mut Act<'_, '_>) {
         refused(act, "its radius is negative");
         return;
     }
-    act.frames().rounding = (radius > 0.0).then_some(radius);
+    act.channel_mut().frames().rounding = (radius > 0.0).then_some(radius);
     if radius > 0.0 {
         corner::take_part(act);
     } else {
-        act.frames_changed();
+        act.channel_mut().frames_changed();
     }
 }

@@ -35,32 +35,32 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 /// A cycle code: takes its data, and makes its holes if the block has a position.
 pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code: &PendingCode) -> Acted {
-    if act.state.cycle.activator && code.modal {
+    if act.channel().state.cycle.activator && code.modal {
         return Ok(());
     }
     let positioned = has_position(act);
     let Some((role, axis)) = axis_of(act, row) else {
-        let text = format!("channel {} has no axis for the depth of '{}'", act.at.channel, act.block_text());
+        let text = format!("channel {} has no axis for the depth of '{}'", act.channel().at.channel, act.block_text());
         act.diagnose(&diag::CYCLE_AXIS, text);
         return Ok(());
     };
-    let other = act.state.cycle.running && act.state.cycle.code != Some(row.id);
-    if other && act.env.machine.cycles.cancel_required {
+    let other = act.channel().state.cycle.running && act.channel().state.cycle.code != Some(row.id);
+    if other && act.channel().env.machine.cycles.cancel_required {
         not_cancelled(act);
     }
-    if kind.bores_back() && act.state.cycle.code != Some(row.id) {
+    if kind.bores_back() && act.channel().state.cycle.code != Some(row.id) {
         // Its clearance is the current level unless the block gives it.
-        act.state.cycle.heights.clear = None;
+        act.channel_mut().state.cycle.heights.clear = None;
     }
-    let level = act.cycle_level(axis);
-    let machine = act.env.machine;
-    act.state.cycle.begin(machine, kind, row.id, ((role, axis), level));
-    act.state.cycle.block = act.at.blocks;
+    let level = act.channel().cycle_level(axis);
+    let machine = act.channel().env.machine;
+    act.channel_mut().state.cycle.begin(machine, kind, row.id, ((role, axis), level));
+    act.channel_mut().state.cycle.block = act.channel().at.blocks;
     let (kind, words) = words::take(act, kind);
     if kind.is_rigid() {
         super::spindle::tap_speed(act)?;
     }
-    if act.state.cycle.activator || !positioned {
+    if act.channel().state.cycle.activator || !positioned {
         return Ok(());
     }
     holes(act, kind, &words)
@@ -71,20 +71,22 @@ pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Ac
     if code.modal && !has_position(act) {
         return Ok(());
     }
-    let (Some(kind), Some((_, axis))) = (HoleCycle::numbered(act.state.cycle.number), act.state.cycle.axis) else {
+    let (Some(kind), Some((_, axis))) =
+        (HoleCycle::numbered(act.channel().state.cycle.number), act.channel().state.cycle.axis)
+    else {
         let text = format!("no cycle has been defined for '{}'", act.block_text());
         act.diagnose(&diag::NO_CYCLE, text);
         return Ok(());
     };
-    if !act.state.cycle.running {
-        act.state.cycle.heights.initial = act.cycle_level(axis);
+    if !act.channel().state.cycle.running {
+        act.channel_mut().state.cycle.heights.initial = act.channel().cycle_level(axis);
     }
-    act.state.cycle.block = act.at.blocks;
-    act.state.cycle.running = true;
-    act.state.cycle.code = act.state.cycle.code.or(Some(row.id));
+    act.channel_mut().state.cycle.block = act.channel().at.blocks;
+    act.channel_mut().state.cycle.running = true;
+    act.channel_mut().state.cycle.code = act.channel().state.cycle.code.or(Some(row.id));
     let words = words::take_position(act);
     if words.coded & axis.bit() != 0 {
-        act.state.cycle.heights.reference = words.target.at(axis);
+        act.channel_mut().state.cycle.heights.reference = words.target.at(axis);
     }
     holes(act, kind, &words)
 }
@@ -97,21 +99,21 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
 
 /// Ends the cycle, and with it the taps that a code has made rigid.
 fn end(act: &mut Act<'_, '_>) {
-    act.state.cycle.end();
+    act.channel_mut().state.cycle.end();
     end_rigid(act);
 }
 
 /// Ends rigid tapping at the end of a cycle, and at a cycle that does not tap.
 fn end_rigid(act: &mut Act<'_, '_>) {
-    act.state.cycle.rigid = 0.0;
-    if act.state.modal.code(group::RIGID) == Some(codes::RIGID_ON) {
-        act.state.modal.activate(group::RIGID, codes::RIGID_OFF, None);
+    act.channel_mut().state.cycle.rigid = 0.0;
+    if act.channel().state.modal.code(group::RIGID) == Some(codes::RIGID_ON) {
+        act.channel_mut().state.modal.activate(group::RIGID, codes::RIGID_OFF, None);
     }
 }
 
 /// Rigid tapping on or off.
 pub(super) fn rigid(act: &mut Act<'_, '_>, on: bool) -> Acted {
-    act.state.cycle.rigid = if on { 2.0 } else { 0.0 };
+    act.channel_mut().state.cycle.rigid = if on { 2.0 } else { 0.0 };
     super::mode::mode(act, if on { "rigid tapping on" } else { "rigid tapping off" })
 }
 
@@ -120,16 +122,16 @@ pub(super) fn rigid(act: &mut Act<'_, '_>, on: bool) -> Acted {
 #[cold]
 pub(super) fn meets_motion(act: &mut Act<'_, '_>) -> Acted {
     let inside = act.is_inside_macro();
-    if inside || act.state.cycle.block == act.at.blocks {
+    if inside || act.channel().state.cycle.block == act.channel().at.blocks {
         return Ok(());
     }
-    if act.env.machine.cycles.cancel_required {
+    if act.channel().env.machine.cycles.cancel_required {
         not_cancelled(act);
     }
-    if act.env.machine.cycles.motion_cancels {
+    if act.channel().env.machine.cycles.motion_cancels {
         end(act);
-        let off = act.state.cycle.off;
-        act.state.modal.activate(group::CYCLE, codes::CYCLE_OFF, off);
+        let off = act.channel().state.cycle.off;
+        act.channel_mut().state.modal.activate(group::CYCLE, codes::CYCLE_OFF, off);
         act.emit(0, EventKind::mode("cycle off"));
     }
     Ok(())
@@ -143,18 +145,19 @@ fn not_cancelled(act: &mut Act<'_, '_>) {
 
 /// Whether words of a position or a height are free in the block.
 fn has_position(act: &Act<'_, '_>) -> bool {
-    act.has_motion_word() || !act.block.added.is_empty()
+    act.has_motion_word() || !act.channel().block.added.is_empty()
 }
 
 /// Role and channel axis along which a cycle works: that of its row, otherwise the axis normal to the plane; Z on a
 /// lathe.
 fn axis_of(act: &Act<'_, '_>, row: &CodeRow) -> Option<(usize, AxisSlot)> {
-    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(|axis| (role, axis));
+    let axis =
+        |role: usize| act.channel().state.place.layout.cartesian.get(role).copied().flatten().map(|axis| (role, axis));
     if let Some(role) = row.axis {
         return axis(usize::from(role));
     }
-    let turning = matches!(act.env.machine.kind, MachineKind::Lathe | MachineKind::MergingLathe);
-    let role = match act.state.modal.code(group::PLANE) {
+    let turning = matches!(act.channel().env.machine.kind, MachineKind::Lathe | MachineKind::MergingLathe);
+    let role = match act.channel().state.modal.code(group::PLANE) {
         _ if turning => 2,
         Some(codes::PLANE_ZX) => 1,
         Some(codes::PLANE_YZ) => 0,
@@ -168,16 +171,16 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
     if words.times == 0 {
         return Ok(());
     }
-    let from = act.programmed();
-    act.check_feed(act.state.cycle.rates.feed.0)?;
-    let marked = kind.is_rigid() && act.state.cycle.rigid == 2.0;
-    if marked && act.state.spindle.id.is_some() && act.spindle_speed()?.is_none() {
+    let from = act.channel().programmed();
+    act.check_feed(act.channel().state.cycle.rates.feed.0)?;
+    let marked = kind.is_rigid() && act.channel().state.cycle.rigid == 2.0;
+    if marked && act.channel().state.spindle.id.is_some() && act.spindle_speed()?.is_none() {
         let text = format!("the speed of a rigid tap is zero or not programmed in '{}'", act.block_text());
         return Err(act.alarm(&diag::TAP_SPEED, text));
     }
     let Some(mut hole) = heights(act, kind, words) else { return Ok(()) };
     // The path to the hole includes a change of the length that has not been travelled yet.
-    act.ways_travelled(hole.axis.bit());
+    act.channel_mut().ways_travelled(hole.axis.bit());
     for pass in 0..words.times {
         if pass > 0 {
             act.count_as_block()?;
@@ -196,12 +199,16 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
 
 /// The heights of a hole from the data of the cycle.
 fn heights(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Option<Hole> {
-    let state = act.state.cycle;
+    let state = act.channel().state.cycle;
     let (_, axis) = state.axis?;
     let base = if state.activator { state.heights.reference } else { state.heights.initial };
     let bottom = state.heights.bottom.map(|height| height.from(base));
-    let distance = act.env.machine.cycles.clearance == Heights::Incremental;
-    if state.heights.clear.is_none() && !kind.bores_back() && !distance && act.env.machine.cycles.clearance_required {
+    let distance = act.channel().env.machine.cycles.clearance == Heights::Incremental;
+    if state.heights.clear.is_none()
+        && !kind.bores_back()
+        && !distance
+        && act.channel().env.machine.cycles.clearance_required
+    {
         let text = format!("a cycle needs its clearance height, '{}' starts at the current position", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
@@ -216,7 +223,7 @@ fn heights(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Opti
         let text = format!("a cycle needs its depth in '{}', nothing is drilled", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
-    let stays = act.state.modal.code(group::RETRACT) == Some(codes::CYCLE_RETRACT_R) && !kind.bores_back();
+    let stays = act.channel().state.modal.code(group::RETRACT) == Some(codes::CYCLE_RETRACT_R) && !kind.bores_back();
     let wanted =
         if stays { clear } else { state.heights.retract.map_or(state.heights.initial, |height| height.from(base)) };
     // Never nearer to the hole than the clearance height.

@@ -29,7 +29,7 @@ pub(super) struct Drill<'h> {
 impl Act<'_, '_> {
     /// Makes a hole with the current data of the cycle.
     pub(in crate::action) fn make_hole(&mut self, hole: &Hole) -> Acted {
-        let cycle = self.state.cycle;
+        let cycle = self.channel().state.cycle;
         let Some(kind) = HoleCycle::numbered(cycle.number) else { return Ok(()) };
         let turning = self.spindle_command()?.direction;
         let drill = Drill { hole, kind, cycle, turning };
@@ -51,8 +51,8 @@ impl Act<'_, '_> {
     fn approach(&mut self, hole: &Hole) -> Acted {
         let along = hole.axis.bit();
         let mut target = hole.target;
-        if self.env.machine.cycles.approach == Approach::PositionFirst {
-            *target.at_mut(hole.axis) = self.programmed().at(hole.axis);
+        if self.channel().env.machine.cycles.approach == Approach::PositionFirst {
+            *target.at_mut(hole.axis) = self.channel().programmed().at(hole.axis);
             self.rapid_to_point(hole.coded & !along, target)?;
             return self.rapid_to_point(along, self.level(hole.axis, hole.clear));
         }
@@ -61,7 +61,7 @@ impl Act<'_, '_> {
     }
 
     fn level(&self, axis: AxisSlot, level: f64) -> Position {
-        let mut target = self.programmed();
+        let mut target = self.channel().programmed();
         *target.at_mut(axis) = level;
         target
     }
@@ -92,7 +92,7 @@ impl Act<'_, '_> {
         let steps = drill.kind.steps();
         let step = drill.cycle.pecks.first.filter(|step| *step > 0.0 && step.is_finite());
         let Some(step) = step.filter(|_| steps != Steps::None) else {
-            if steps != Steps::None && self.env.machine.cycles.step_required {
+            if steps != Steps::None && self.channel().env.machine.cycles.step_required {
                 let text = format!("a cycle needs its step in '{}', it is drilled in one step", self.block_text());
                 self.diagnose(&diag::DATA_MISSING, text);
             }
@@ -104,10 +104,11 @@ impl Act<'_, '_> {
     /// Size of a program's unit along an axis for the cycle's own lengths: the program may be scaled, steps and shifts
     /// are not.
     pub(super) fn own_scale(&self, axis: AxisSlot) -> f64 {
-        let place = &self.state.place;
+        let place = &self.channel().state.place;
         let role = place.layout.cartesian.iter().position(|own| *own == Some(axis));
-        let scaled =
-            role.filter(|_| place.frames.is_some()).and_then(|role| self.frame_values().scale.get(role).copied());
+        let scaled = role
+            .filter(|_| place.frames.is_some())
+            .and_then(|role| self.channel().frame_values().scale.get(role).copied());
         let factor = scaled.map(f64::abs).filter(|factor| *factor > 0.0 && factor.is_finite()).unwrap_or(1.0);
         place.layout.axes[axis].scale * factor
     }
@@ -207,12 +208,12 @@ impl Act<'_, '_> {
     /// The shift of oriented boring, away from the centre (1) or back (−1).
     fn shift_aside(&mut self, drill: &Drill<'_>, way: f64) -> Acted {
         let cycle = &drill.cycle;
-        let mut target = self.programmed();
+        let mut target = self.channel().programmed();
         let mut coded = 0_u8;
         let given = cycle.boring.shifts.iter().any(Option::is_some);
         // The first axis of the plane: X of G17, Z of G18, Y of G19 (Fanuc parameter 5101#4 and #5 at 0).
         let along = cycle.axis.map_or(2, |(along, _)| along);
-        let axes = self.state.place.layout.cartesian;
+        let axes = self.channel().state.place.layout.cartesian;
         let first =
             [(along + 1) % 3, (along + 2) % 3].into_iter().find(|role| axes.get(*role).copied().flatten().is_some());
         for (role, axis) in axes.iter().enumerate() {

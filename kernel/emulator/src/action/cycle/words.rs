@@ -34,30 +34,30 @@ pub(super) struct Words {
 
 /// Takes the data of a cycle code; the kind may become a rigid one.
 pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words) {
-    let pitched = act.env.machine.cycles.tap_pitch && kind.taps();
+    let pitched = act.channel().env.machine.cycles.tap_pitch && kind.taps();
     let kind = if pitched { tap_type(act, kind) } else { kind };
-    if pitched && (kind.is_rigid() || act.state.cycle.tap.is_some_and(|tap| tap >= 1.0)) {
+    if pitched && (kind.is_rigid() || act.channel().state.cycle.tap.is_some_and(|tap| tap >= 1.0)) {
         take_pitch(act);
     } else {
         take_feed(act);
     }
-    let Some((role, axis)) = act.state.cycle.axis else { return (kind, position(act)) };
-    let scale = act.state.place.layout.axes[axis].scale;
-    let rules = (act.env.machine.cycles.clearance, act.env.machine.cycles.depth);
+    let Some((role, axis)) = act.channel().state.cycle.axis else { return (kind, position(act)) };
+    let scale = act.channel().state.place.layout.axes[axis].scale;
+    let rules = (act.channel().env.machine.cycles.clearance, act.channel().env.machine.cycles.depth);
     depth(act, (role, axis), scale, rules.1);
     if kind.bores_back()
         && let Some(bottom) = height(act, data::CYCLE_BOTTOM, rules.0, scale)
     {
-        act.state.cycle.heights.bottom = Some(bottom);
+        act.channel_mut().state.cycle.heights.bottom = Some(bottom);
     }
     if let Some(clear) = height(act, data::CYCLE_CLEAR, rules.0, scale) {
-        act.state.cycle.heights.clear = Some(clear);
+        act.channel_mut().state.cycle.heights.clear = Some(clear);
     }
     if kind.has_webs() {
         for (web, ids) in super::webs::DATA.into_iter().enumerate() {
             for (end, id) in ids.into_iter().enumerate() {
                 let height = height(act, id, rules.1, scale);
-                let slot = act.state.cycle.heights.webs.get_mut(web).and_then(|web| web.get_mut(end));
+                let slot = act.channel_mut().state.cycle.heights.webs.get_mut(web).and_then(|web| web.get_mut(end));
                 if let (Some(slot), Some(height)) = (slot, height) {
                     *slot = Some(height);
                 }
@@ -66,7 +66,7 @@ pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words)
     }
     let mut words = position(act);
     if let Some(retract) = height(act, data::CYCLE_RETRACT, rules.0, scale) {
-        act.state.cycle.heights.retract = Some(retract);
+        act.channel_mut().state.cycle.heights.retract = Some(retract);
     }
     let kind = amounts(act, kind);
     words.times = times(act);
@@ -92,33 +92,33 @@ fn take_feed(act: &mut Act<'_, '_>) {
     for (id, unit) in own {
         if let Some(datum) = act.take(id) {
             let pitch = |threads: f64| {
-                if threads == 0.0 { 0.0 } else { act.unit_factor(Dimension::Length) / threads }
+                if threads == 0.0 { 0.0 } else { act.channel().unit_factor(Dimension::Length) / threads }
             };
             let value = if id == data::CYCLE_TPU { pitch(datum.value) } else { datum.value };
-            act.state.cycle.rates.feed = (Some(value), unit);
-            act.state.cycle.rates.own_feed = true;
+            act.channel_mut().state.cycle.rates.feed = (Some(value), unit);
+            act.channel_mut().state.cycle.rates.own_feed = true;
             return;
         }
     }
-    let (id, unit) = feed_of(act.state.modal.code(group::FEED));
+    let (id, unit) = feed_of(act.channel().state.modal.code(group::FEED));
     if let Some(datum) = act.take(id) {
-        act.state.remembered.remember(id, datum.value);
-        act.state.cycle.rates.feed = (Some(datum.value), unit);
-        act.state.cycle.rates.own_feed = false;
-    } else if !act.state.cycle.rates.own_feed {
+        act.channel_mut().state.remembered.remember(id, datum.value);
+        act.channel_mut().state.cycle.rates.feed = (Some(datum.value), unit);
+        act.channel_mut().state.cycle.rates.own_feed = false;
+    } else if !act.channel().state.cycle.rates.own_feed {
         // Inverse time belongs to its block alone.
-        let known = if unit == FeedUnit::InverseTime { None } else { act.state.remembered.value(id) };
-        act.state.cycle.rates.feed = (known, unit);
+        let known = if unit == FeedUnit::InverseTime { None } else { act.channel().state.remembered.value(id) };
+        act.channel_mut().state.cycle.rates.feed = (known, unit);
     }
 }
 
 /// The feed of a tap that is its pitch; it lasts like a feed of the cycle's own.
 fn take_pitch(act: &mut Act<'_, '_>) {
     if let Some(datum) = act.take(data::FEED_UPR) {
-        act.state.cycle.rates.feed = (Some(datum.value), FeedUnit::PerRevolution);
-        act.state.cycle.rates.own_feed = true;
-    } else if !act.state.cycle.rates.own_feed {
-        act.state.cycle.rates.feed = (None, FeedUnit::PerRevolution);
+        act.channel_mut().state.cycle.rates.feed = (Some(datum.value), FeedUnit::PerRevolution);
+        act.channel_mut().state.cycle.rates.own_feed = true;
+    } else if !act.channel().state.cycle.rates.own_feed {
+        act.channel_mut().state.cycle.rates.feed = (None, FeedUnit::PerRevolution);
     }
 }
 
@@ -126,9 +126,9 @@ fn take_pitch(act: &mut Act<'_, '_>) {
 fn depth(act: &mut Act<'_, '_>, (role, axis): (usize, AxisSlot), scale: f64, rule: Heights) {
     let id = [data::CYCLE_DEPTH_X, data::CYCLE_DEPTH_Y, data::CYCLE_DEPTH_Z].get(role).copied();
     let own = id.and_then(|id| height(act, id, rule, scale));
-    let depth = own.or_else(|| height(act, act.state.place.layout.axes[axis].data, rule, 1.0));
+    let depth = own.or_else(|| height(act, act.channel().state.place.layout.axes[axis].data, rule, 1.0));
     if depth.is_some() {
-        act.state.cycle.heights.depth = depth;
+        act.channel_mut().state.cycle.heights.depth = depth;
     }
 }
 
@@ -139,16 +139,18 @@ fn height(act: &mut Act<'_, '_>, id: DataId, rule: Heights, scale: f64) -> Optio
     if relative {
         return Some(Height { value: datum.value / scale, relative });
     }
-    let axis = act.state.cycle.axis.map(|(_, axis)| axis);
+    let axis = act.channel().state.cycle.axis.map(|(_, axis)| axis);
     // The word of the axis itself has been taken as its axis counts.
-    let own = axis.filter(|axis| act.state.place.layout.axes[*axis].data != id);
+    let own = axis.filter(|axis| act.channel().state.place.layout.axes[*axis].data != id);
     let factor = own.map_or(1.0, |axis| act.axis_diameter_factor(axis));
-    let shift = axis.filter(|_| act.block.flags.machine_frame).map_or(0.0, |axis| act.shift_in_machine_frame(axis));
+    let shift = axis
+        .filter(|_| act.channel().block.flags.machine_frame)
+        .map_or(0.0, |axis| act.channel().shift_in_machine_frame(axis));
     Some(Height { value: datum.value * factor - shift, relative })
 }
 
 fn is_relative(act: &Act<'_, '_>, rule: Heights, datum: &Datum) -> bool {
-    let mode = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let mode = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     datum.incremental
         || !datum.absolute
             && match rule {
@@ -160,12 +162,12 @@ fn is_relative(act: &Act<'_, '_>, rule: Heights, datum: &Datum) -> bool {
 
 /// Position axes, and which of them are distances.
 fn position(act: &mut Act<'_, '_>) -> Words {
-    let mode = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let mode = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut relative = 0;
-    for (index, axis) in act.state.place.layout.axes.iter().enumerate() {
+    for (index, axis) in act.channel().state.place.layout.axes.iter().enumerate() {
         let sources = act.sources(axis.data).iter();
-        let word = sources.filter_map(|source| act.block.look(source.register)).next();
-        let added = || act.block.added.iter().any(|(id, _)| *id == axis.data);
+        let word = sources.filter_map(|source| act.channel().block.look(source.register)).next();
+        let added = || act.channel().block.added.iter().any(|(id, _)| *id == axis.data);
         if word.is_some_and(|word| word.incremental || mode) || mode && added() {
             relative |= 1 << index;
         }
@@ -178,53 +180,53 @@ fn position(act: &mut Act<'_, '_>) -> Words {
 fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     use counterpoint_machine::ident::kind::cycle::{Out, Steps};
     let mut kind = tap_type(act, kind);
-    if act.state.cycle.rigid == 2.0 && kind.taps() {
+    if act.channel().state.cycle.rigid == 2.0 && kind.taps() {
         kind = kind.rigid(false);
         if let Some(step) = act.take(data::CYCLE_STEP) {
-            act.state.cycle.pecks.first = Some(step.value.abs());
+            act.channel_mut().state.cycle.pecks.first = Some(step.value.abs());
         }
-        kind = kind.rigid(act.state.cycle.pecks.first.is_some_and(|step| step > 0.0));
-        act.state.cycle.number = kind.number();
+        kind = kind.rigid(act.channel().state.cycle.pecks.first.is_some_and(|step| step > 0.0));
+        act.channel_mut().state.cycle.number = kind.number();
     } else if kind.is_rigid() {
-        act.state.cycle.rigid = 1.0;
-    } else if act.state.cycle.rigid == 2.0 {
+        act.channel_mut().state.cycle.rigid = 1.0;
+    } else if act.channel().state.cycle.rigid == 2.0 {
         super::end_rigid(act);
     }
     if kind.dwells()
         && let Some(dwell) = act.take_seconds(data::CYCLE_DWELL)
-        && let [bottom, ..] = &mut act.state.cycle.rates.dwell
+        && let [bottom, ..] = &mut act.channel_mut().state.cycle.rates.dwell
     {
         *bottom = dwell;
     }
     if kind.steps() != Steps::None {
         if let Some(step) = act.take(data::CYCLE_STEP) {
-            act.state.cycle.pecks.first = Some(step.value.abs());
+            act.channel_mut().state.cycle.pecks.first = Some(step.value.abs());
         }
         let decrement = act.take(data::CYCLE_STEP_DECR);
         if let Some(decrement) = decrement {
-            act.state.cycle.pecks.decrement = decrement.value.abs();
+            act.channel_mut().state.cycle.pecks.decrement = decrement.value.abs();
         }
         // One word may be the depth between full retracts, or where there is a decrement the smallest step.
         if (decrement.is_some() || kind.steps() != Steps::Small)
             && let Some(least) = act.take(data::CYCLE_STEP_MIN)
         {
-            act.state.cycle.pecks.least = least.value.abs();
+            act.channel_mut().state.cycle.pecks.least = least.value.abs();
         }
         if kind.steps() == Steps::Small
             && let Some(out) = act.take(data::CYCLE_STEP_OUT)
         {
-            act.state.cycle.pecks.out = out.value.abs();
+            act.channel_mut().state.cycle.pecks.out = out.value.abs();
         }
     }
     if (kind.steps() != Steps::None || kind.has_webs())
         && let Some(back) = act.take(data::CYCLE_STEP_BACK)
     {
-        act.state.cycle.pecks.retract = back.value.abs();
+        act.channel_mut().state.cycle.pecks.retract = back.value.abs();
     }
     if kind.is_rigid()
         && let Some(orient) = act.take(data::CYCLE_RIGID_ORIENT)
     {
-        act.state.cycle.boring.orient = orient.value;
+        act.channel_mut().state.cycle.boring.orient = orient.value;
     }
     if kind.out() == Out::Oriented {
         shifts(act);
@@ -246,26 +248,26 @@ fn tap_type(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
             );
             act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
         } else {
-            act.state.cycle.tap = Some(datum.value);
+            act.channel_mut().state.cycle.tap = Some(datum.value);
         }
     }
-    let Some(typed) = act.state.cycle.tap.and_then(|wanted| kind.tap(wanted)) else { return kind };
-    act.state.cycle.number = typed.number();
-    if !typed.is_rigid() && act.state.cycle.rigid == 1.0 {
-        act.state.cycle.rigid = 0.0;
+    let Some(typed) = act.channel().state.cycle.tap.and_then(|wanted| kind.tap(wanted)) else { return kind };
+    act.channel_mut().state.cycle.number = typed.number();
+    if !typed.is_rigid() && act.channel().state.cycle.rigid == 1.0 {
+        act.channel_mut().state.cycle.rigid = 0.0;
     }
     typed
 }
 
 fn shifts(act: &mut Act<'_, '_>) {
     if let Some(orient) = act.take(data::CYCLE_ORIENT) {
-        act.state.cycle.boring.orient = orient.value;
+        act.channel_mut().state.cycle.boring.orient = orient.value;
     }
     if let Some(shift) = act.take(data::CYCLE_BORE_JOG) {
-        act.state.cycle.boring.shift = shift.value;
+        act.channel_mut().state.cycle.boring.shift = shift.value;
     }
     // The words of the plane: I and J of G17, I and K of G18, J and K of G19. K alone is the number of repeats.
-    let along = act.state.cycle.axis.map_or(2, |(role, _)| role);
+    let along = act.channel().state.cycle.axis.map_or(2, |(role, _)| role);
     let beside = |role: usize, id: DataId| role != along && act.block_has(id);
     let with_k = beside(0, data::CYCLE_BORE_JOG_X) || beside(1, data::CYCLE_BORE_JOG_Y);
     for (index, id) in [data::CYCLE_BORE_JOG_X, data::CYCLE_BORE_JOG_Y, data::CYCLE_BORE_JOG_Z].into_iter().enumerate()
@@ -273,7 +275,7 @@ fn shifts(act: &mut Act<'_, '_>) {
         if index != along
             && (index != 2 || with_k)
             && let Some(datum) = act.take(id)
-            && let Some(slot) = act.state.cycle.boring.shifts.get_mut(index)
+            && let Some(slot) = act.channel_mut().state.cycle.boring.shifts.get_mut(index)
         {
             *slot = Some(datum.value);
         }

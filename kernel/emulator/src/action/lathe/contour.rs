@@ -7,10 +7,9 @@
 use counterpoint_motion::arc as geometry;
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
 
-use crate::act::Act;
+use crate::act::{Act, CodeAction};
 use crate::action::entry::{Contour, Entry};
 use crate::action::{find, subprogram};
-use crate::channel::Kernel;
 use crate::channel::actions::Action;
 use crate::state::modal::plane;
 use crate::state::turning::First;
@@ -31,9 +30,9 @@ struct Shaping;
 #[derive(Debug)]
 struct Defining;
 
-impl Action for Defining {
-    fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
-        find(row.id).map_or(Ok(()), |action| action.run(kernel, row, code))
+impl CodeAction for Defining {
+    fn execute(&self, act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+        find(row.id).map_or(Ok(()), |entry| entry.execute(act, row, code))
     }
 }
 
@@ -61,19 +60,18 @@ pub(in crate::action) fn reading(id: CodeId) -> Option<&'static dyn Action> {
     })
 }
 
-impl Action for Shaping {
-    fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
-        let act = &mut Act::new(kernel);
+impl CodeAction for Shaping {
+    fn execute(&self, act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
         // E of a thread is the change of its lead.
         let is_thread = matches!(row.id.kind(), CodeKind::Thread(_))
             || matches!(row.id, codes::INTERP_THREAD_ARC_CLW | codes::INTERP_THREAD_ARC_CCLW);
         if !is_thread && let Some(feed) = act.take(data::TURN_CONTOUR_FEED) {
-            act.state.others.turning.reading.feed = Some(feed.value);
+            act.channel_mut().state.others.turning.reading.feed = Some(feed.value);
         }
-        if act.state.others.turning.reading.first.is_none() {
+        if act.channel().state.others.turning.reading.first.is_none() {
             return first(act, row.id);
         }
-        find(row.id).map_or(Ok(()), |action| action.run(kernel, row, code))
+        find(row.id).map_or(Ok(()), |entry| entry.execute(act, row, code))
     }
 }
 
@@ -88,8 +86,8 @@ fn first(act: &mut Act<'_, '_>, id: CodeId) -> Acted {
         return Err(act.alarm(&diag::CONTOUR_FIRST, text));
     }
     act.feed();
-    act.state.others.turning.reading.first = Some(First { rapid: id == codes::RAPID, coded });
-    act.state.place.position = target;
+    act.channel_mut().state.others.turning.reading.first = Some(First { rapid: id == codes::RAPID, coded });
+    act.channel_mut().state.place.position = target;
     Ok(())
 }
 
@@ -128,22 +126,22 @@ const FRAMES: [CodeId; 8] = [
 ];
 
 /// A code that does not shape the contour.
-fn other(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
+fn other(act: &mut Act<'_, '_>, row: &CodeRow, _: &PendingCode) -> Acted {
     if row.id == codes::DELAY {
         act.take(data::DELAY);
     }
-    if row.id == codes::CALSUB_RETURN && act.state.others.turning.reads {
+    if row.id == codes::CALSUB_RETURN && act.channel().state.others.turning.reads {
         return subprogram::return_from(act);
     }
     if let codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT = row.id {
         let side = if row.id == codes::COMP_DIAM_LEFT { 1.0 } else { -1.0 };
-        act.state.others.turning.reading.side.get_or_insert(side);
+        act.channel_mut().state.others.turning.reading.side.get_or_insert(side);
     }
     if row.id == codes::COMP_DIAM_OFF {
-        let reading = &mut act.state.others.turning.reading;
+        let reading = &mut act.channel_mut().state.others.turning.reading;
         reading.beside = reading.side.and(reading.beside.or(Some(reading.elements.len())));
     }
-    let (letter, _) = act.written(row, code);
+    let letter = act.channel().env.machine.letter_of(&row.form);
     let allowed = ALLOWED.contains(&row.id) || keeps_plane(act, row.id);
     if FLOW.contains(&row.id) || FRAMES.contains(&row.id) || letter == 'G' && !allowed {
         return refuse(act);
@@ -153,7 +151,10 @@ fn other(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
 
 /// Whether a code selects the plane that the contour is already in, as editors of contours write it.
 fn keeps_plane(act: &Act<'_, '_>, id: CodeId) -> bool {
-    let (Some(own), Some(new)) = (act.state.others.turning.reading.plane, act.active_plane()) else { return false };
+    let (Some(own), Some(new)) = (act.channel().state.others.turning.reading.plane, act.channel().active_plane())
+    else {
+        return false;
+    };
     plane(id).is_some() && own.axes == new.axes
 }
 
@@ -164,13 +165,13 @@ fn refuse(act: &mut Act<'_, '_>) -> Acted {
 
 /// The linear axis across a plane.
 fn across(act: &Act<'_, '_>, axes: [AxisSlot; 2]) -> Option<AxisSlot> {
-    act.state.place.layout.cartesian.iter().flatten().copied().find(|axis| !axes.contains(axis))
+    act.channel().state.place.layout.cartesian.iter().flatten().copied().find(|axis| !axes.contains(axis))
 }
 
 /// Records a motion as a piece of the contour.
 pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted {
-    let own = act.state.others.turning.reading.plane;
-    let Some(plane) = own.or_else(|| act.lathe_plane()) else { return Ok(()) };
+    let own = act.channel().state.others.turning.reading.plane;
+    let Some(plane) = own.or_else(|| act.channel().lathe_plane()) else { return Ok(()) };
     let (from, to) = (plane.point(&motion.from), plane.point(&motion.to));
     let arc = match motion.kind {
         MotionKind::ArcCw | MotionKind::ArcCcw => {
@@ -185,15 +186,15 @@ pub(in crate::action) fn record(act: &mut Act<'_, '_>, motion: &Motion) -> Acted
     if arc.is_some() || distance(from, to) > NOISE {
         let across = across(act, plane.axes);
         let heights = [&motion.from, &motion.to].map(|spot| across.map_or(0.0, |axis| spot.at(axis)));
-        let screw = act.state.threads.recorded.take();
-        let reading = &mut act.state.others.turning.reading;
+        let screw = act.channel_mut().state.threads.recorded.take();
+        let reading = &mut act.channel_mut().state.others.turning.reading;
         reading.screws.push(screw);
         reading.elements.push(Element { from, to, arc });
         reading.heights.push(heights);
         reading.feeds.push(reading.feed);
         reading.ends_rapid = motion.kind == MotionKind::Rapid;
     }
-    act.state.place.position = motion.to;
-    act.block.flags.moved = true;
+    act.channel_mut().state.place.position = motion.to;
+    act.channel_mut().block.flags.moved = true;
     Ok(())
 }

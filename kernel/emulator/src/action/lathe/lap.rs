@@ -25,8 +25,8 @@ const WHOLE: f64 = 1e12;
 
 /// Starts a cycle along the contour that its block names.
 pub(super) fn cycle(act: &mut Act<'_, '_>, plane: &LathePlane, kind: Lap) -> Acted {
-    let stays = std::mem::take(&mut act.state.others.turning.stays);
-    let Some(shape) = act.state.others.turning.shape.take() else {
+    let stays = std::mem::take(&mut act.channel_mut().state.others.turning.stays);
+    let Some(shape) = act.channel_mut().state.others.turning.shape.take() else {
         let text = format!("the cycle needs the name of its contour in '{}'", act.block_text());
         return Err(act.alarm(&diag::CONTOUR_RANGE, text));
     };
@@ -64,7 +64,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, plane: &LathePlane, kind: Lap) -> Act
         return Err(act.alarm(&diag::CONTOUR_DEPTH, text));
     }
     let lap = Told { copies: kind != Lap::Bar, changes, stays };
-    let retract = act.env.machine.turning.retract;
+    let retract = act.channel().env.machine.turning.retract;
     let settings =
         rough::Settings { face: shape.face, depth, retract, allowance, semi: [0.0; 2], pockets: true, lap: Some(lap) };
     act.cut_contour(ContourCycle { blocks, task: Task::Rough(settings, Some(true)), feed, feeds });

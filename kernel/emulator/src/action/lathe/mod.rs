@@ -48,7 +48,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
         Ok(())
     }),
     Entry::of(&[codes::TURN_LAP_STAY], |act, _, _| {
-        act.state.others.turning.stays = true;
+        act.channel_mut().state.others.turning.stays = true;
         Ok(())
     }),
 ];
@@ -62,8 +62,9 @@ fn finish(act: &mut Act<'_, '_>) -> Acted {
 }
 
 fn cycle(act: &mut Act<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted {
-    let Some(plane) = act.lathe_plane() else {
-        let text = format!("channel {} has no X and Z for the cycle of '{}'", act.at.channel, act.block_text());
+    let Some(plane) = act.channel().lathe_plane() else {
+        let text =
+            format!("channel {} has no X and Z for the cycle of '{}'", act.channel().at.channel, act.block_text());
         act.diagnose(&diag::CYCLE_AXIS, text);
         return Ok(());
     };
@@ -88,7 +89,11 @@ fn contour_blocks(act: &mut Act<'_, '_>, first: Option<u32>, last: Option<u32>) 
 
 fn roughing(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Acted {
     let (first, last) = words::blocks(act);
-    if first.is_none() && last.is_none() && act.env.machine.turning.two_lines && words::rough_settings(act, face) {
+    if first.is_none()
+        && last.is_none()
+        && act.channel().env.machine.turning.two_lines
+        && words::rough_settings(act, face)
+    {
         return Ok(());
     }
     let blocks = contour_blocks(act, first, last)?;
@@ -105,7 +110,8 @@ fn roughing(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Acted {
 
 fn repeating(act: &mut Act<'_, '_>, plane: &LathePlane) -> Acted {
     let (first, last) = words::blocks(act);
-    if first.is_none() && last.is_none() && act.env.machine.turning.two_lines && words::pattern_settings(act) {
+    if first.is_none() && last.is_none() && act.channel().env.machine.turning.two_lines && words::pattern_settings(act)
+    {
         return Ok(());
     }
     let blocks = contour_blocks(act, first, last)?;
@@ -115,7 +121,7 @@ fn repeating(act: &mut Act<'_, '_>, plane: &LathePlane) -> Acted {
             format!("the contour of '{}' is repeated {repeats} times, it must be at least once", act.block_text());
         return Err(act.alarm(&diag::CONTOUR_REPEATS, text));
     }
-    let relief = act.state.others.turning.relief;
+    let relief = act.channel().state.others.turning.relief;
     let feed = act.feed();
     let settings = pattern::Settings { relief, allowance, passes: repeats as u32 };
     act.cut_contour(ContourCycle { blocks, task: Task::Pattern(settings), feed, feeds: [None; 2] });
@@ -123,12 +129,12 @@ fn repeating(act: &mut Act<'_, '_>, plane: &LathePlane) -> Acted {
 }
 
 fn pecking(act: &mut Act<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
-    if act.env.machine.turning.two_lines && words::peck_settings(act) {
+    if act.channel().env.machine.turning.two_lines && words::peck_settings(act) {
         return Ok(());
     }
     let words::Pecks { steps, relief } = words::pecks(act);
     let (feed, unit) = act.feed();
-    let from = act.programmed();
+    let from = act.channel().programmed();
     let (_, target) = act.programmed_targets();
     if let Some(step) = steps.into_iter().find(|step| *step < 0.0) {
         let text = format!("the peck or shift {step} is negative in '{}'", act.block_text());
@@ -142,7 +148,7 @@ fn pecking(act: &mut Act<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
         end: turned(plane.point(&target)),
         peck,
         shift,
-        back: act.state.others.turning.back,
+        back: act.channel().state.others.turning.back,
         relief,
     };
     settings.run(&mut Cutting::new(act, plane, (feed, unit)))
@@ -150,19 +156,19 @@ fn pecking(act: &mut Act<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
 
 /// One cut and back.
 fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) -> Acted {
-    if act.acting.mode_changed {
-        let turning = &mut act.state.others.turning;
+    if act.channel().acting.mode_changed {
+        let turning = &mut act.channel_mut().state.others.turning;
         (turning.end, turning.taper) = ([None; 2], 0.0);
     }
     let taper = words::taper(act, face);
     let (feed, unit) = act.feed();
-    let from = act.programmed();
+    let from = act.channel().programmed();
     let (coded, target) = act.programmed_targets();
     let mine = plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());
     if coded & mine == 0 && taper.is_none() {
         return Ok(());
     }
-    let turning = &mut act.state.others.turning;
+    let turning = &mut act.channel_mut().state.others.turning;
     turning.taper = taper.unwrap_or(turning.taper);
     for (slot, axis) in turning.end.iter_mut().zip(plane.axes) {
         if coded & axis.bit() != 0 {
@@ -172,7 +178,7 @@ fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) 
     if implied {
         act.count_as_block()?;
     }
-    let (said, taper) = (act.state.others.turning.end, act.state.others.turning.taper);
+    let (said, taper) = (act.channel().state.others.turning.end, act.channel().state.others.turning.taper);
     let [start_z, start_x] = plane.point(&from);
     let end = |side: usize, start: f64| {
         let scale = plane.scales.get(side).copied().unwrap_or(1.0);
@@ -193,7 +199,7 @@ fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) 
 
 /// The path of the imaginary tip whose nose goes beside a contour, up to a piece; as it is where the tool has no nose.
 fn beside(act: &Act<'_, '_>, contour: &[Element], (side, until): (f64, Option<usize>)) -> Option<Vec<Element>> {
-    let number = act.diameter_number();
+    let number = act.channel().diameter_number();
     let radius = act.cutter_radius(number);
     if radius <= 0.0 {
         return Some(contour.to_vec());
@@ -219,12 +225,12 @@ fn beside(act: &Act<'_, '_>, contour: &[Element], (side, until): (f64, Option<us
 
 /// Cuts along a contour that was read.
 pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading) -> Acted {
-    let Some((plane, first)) = act.lathe_plane().zip(reading.first) else {
+    let Some((plane, first)) = act.channel().lathe_plane().zip(reading.first) else {
         let text = format!("the contour of '{}' has no move", act.block_text());
         return Err(act.alarm(&diag::CONTOUR_FIRST, text));
     };
     let mut elements = reading.elements;
-    if reading.ends_rapid && act.env.machine.turning.retracts && matches!(cycle.task, Task::Rough(..)) {
+    if reading.ends_rapid && act.channel().env.machine.turning.retracts && matches!(cycle.task, Task::Rough(..)) {
         elements.pop();
     }
     if let Task::Thread { face } = cycle.task {
@@ -249,7 +255,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
         Task::Finish { .. } | Task::Pocket(_) | Task::Thread { .. } => None,
         Task::Rough(settings, pockets) => {
             let both = plane.axes.iter().all(|axis| first.coded & axis.bit() != 0);
-            let pockets = pockets.unwrap_or(both && act.env.machine.turning.pockets);
+            let pockets = pockets.unwrap_or(both && act.channel().env.machine.turning.pockets);
             match rough::Rough::new(&shape, rough::Settings { pockets, ..settings }) {
                 Ok(rough) => {
                     act.check_feed(cycle.feed.0)?;

@@ -51,7 +51,7 @@ impl<'x, 'k, 'a> Cutting<'x, 'k, 'a> {
 /// A circle in the plane of turning.
 pub(super) fn round(act: &mut Act<'_, '_>, circle: &Circle) -> Acted {
     match plane(codes::PLANE_ZX) {
-        Some(plane) if act.state.place.frames.is_some() => turned::circle(act, plane, circle),
+        Some(plane) if act.channel().state.place.frames.is_some() => turned::circle(act, plane, circle),
         _ => act.circle_to(circle),
     }
 }
@@ -84,7 +84,7 @@ impl Sink for Cutting<'_, '_, '_> {
 
     fn go(&mut self, to: Move) -> Acted {
         let (Move::Rapid(point) | Move::Feed(point) | Move::Arc { to: point, .. }) = to;
-        let from = self.act.programmed();
+        let from = self.act.channel().programmed();
         let target = self.plane.position(from, point);
         let coded = self.plane.moved(&from, &target);
         if coded == 0 {
@@ -101,7 +101,7 @@ impl Sink for Cutting<'_, '_, '_> {
 
 /// Goes to a programmed point at rapid, in the plane of turning.
 pub(in crate::action) fn go_back(act: &mut Act<'_, '_>, to: &Position) -> Acted {
-    let Some(plane) = act.lathe_plane() else { return Ok(()) };
+    let Some(plane) = act.channel().lathe_plane() else { return Ok(()) };
     let point = plane.point(to);
     Cutting::new(act, &plane, (None, FeedUnit::Rapid)).go(Move::Rapid(point))
 }

@@ -23,7 +23,7 @@ use counterpoint_machine::ident::data;
 pub(super) fn pass(act: &mut Act<'_, '_>) {
     let [depth, shift] =
         [data::TURN_PASS_DEPTH, data::TURN_PASS_SHIFT].map(|id| act.take(id).map_or(0.0, |datum| datum.value));
-    act.state.others.turning.passes.push([depth, shift]);
+    act.channel_mut().state.others.turning.passes.push([depth, shift]);
 }
 
 /// Cuts all passes along the pieces of a contour.
@@ -33,7 +33,7 @@ pub(super) fn cut(
     face: bool,
     (start, elements, screws): (Spot, &[Element], &[Option<Screw>]),
 ) -> Acted {
-    let passes = std::mem::take(&mut act.state.others.turning.passes);
+    let passes = std::mem::take(&mut act.channel_mut().state.others.turning.passes);
     let pieces: Option<Vec<(&Element, Screw)>> =
         elements.iter().zip(screws).map(|(element, screw)| Some((element, (*screw)?))).collect();
     let pieces = pieces.unwrap_or_default();
@@ -68,7 +68,7 @@ pub(super) fn cut(
 
 /// One piece of a pass, to its moved end.
 fn piece(act: &mut Act<'_, '_>, plane: &LathePlane, (element, to): (&Element, Spot), screw: &Screw) -> Acted {
-    let from = act.programmed();
+    let from = act.channel().programmed();
     let target = plane.position(from, to);
     let coded = plane.moved(&from, &target);
     let Some(arc) = element.arc else { return act.cut_to_point(coded, target, screw) };

@@ -13,14 +13,14 @@ use counterpoint_fault::Acted;
 
 /// Removes stock along the contour that was read last.
 pub(in crate::action) fn strip(act: &mut Act<'_, '_>, strip: &Strip) -> Acted {
-    let reading = std::mem::take(&mut act.state.others.turning.kept);
+    let reading = std::mem::take(&mut act.channel_mut().state.others.turning.kept);
     let done = cut(act, strip, &reading);
-    act.state.others.turning.kept = reading;
+    act.channel_mut().state.others.turning.kept = reading;
     done
 }
 
 fn cut(act: &mut Act<'_, '_>, strip: &Strip, reading: &Reading) -> Acted {
-    let plane = act.lathe_plane().filter(|plane| reading.plane.is_none_or(|own| own.axes == plane.axes));
+    let plane = act.channel().lathe_plane().filter(|plane| reading.plane.is_none_or(|own| own.axes == plane.axes));
     let Some(plane) = plane else {
         let text = format!(
             "the program sets alarm 61606: the contour is not in the plane of Z and X in '{}'",

@@ -28,7 +28,7 @@ pub(super) fn rough_settings(act: &mut Act<'_, '_>, face: bool) -> bool {
     let depth = value(act, if face { data::TURN_DEPTH_Z } else { data::TURN_DEPTH_X });
     let depth = depth.or_else(|| value(act, data::TURN_DEPTH));
     let retract = value(act, data::TURN_RETRACT);
-    let turning = &mut act.state.others.turning;
+    let turning = &mut act.channel_mut().state.others.turning;
     turning.depth = depth.unwrap_or(turning.depth);
     turning.retract = retract.map_or(turning.retract, f64::abs);
     depth.is_some() || retract.is_some()
@@ -46,10 +46,10 @@ pub(super) fn rough(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Ro
     let allowance = allowance(act, plane);
     let semi = [data::TURN_SEMI_Z, data::TURN_SEMI_X].map(|id| value(act, id).unwrap_or(0.0));
     if let Some(depth) = value(act, data::TURN_DEPTH) {
-        act.state.others.turning.depth = depth;
+        act.channel_mut().state.others.turning.depth = depth;
     }
     let pockets = value(act, data::TURN_TYPE).map(|kind| kind == 1.0);
-    let turning = &act.state.others.turning;
+    let turning = &act.channel().state.others.turning;
     let (depth, retract) = (turning.depth, turning.retract);
     Rough { settings: rough::Settings { face, depth, retract, allowance, semi, pockets: false, lap: None }, pockets }
 }
@@ -64,7 +64,7 @@ fn allowance(act: &mut Act<'_, '_>, plane: &LathePlane) -> Spot {
 pub(super) fn pattern_settings(act: &mut Act<'_, '_>) -> bool {
     let own = [data::TURN_DEPTH_Z, data::TURN_DEPTH_X].map(|id| value(act, id));
     let repeats = value(act, data::TURN_REPEATS);
-    let turning = &mut act.state.others.turning;
+    let turning = &mut act.channel_mut().state.others.turning;
     for (slot, said) in turning.relief.iter_mut().zip(own) {
         *slot = said.unwrap_or(*slot);
     }
@@ -77,7 +77,7 @@ pub(super) fn pattern(act: &mut Act<'_, '_>, plane: &LathePlane) -> (Spot, f64) 
     let allowance = allowance(act, plane);
     let relief = [data::TURN_RELIEF_Z, data::TURN_RELIEF_X].map(|id| value(act, id));
     let repeats = value(act, data::TURN_REPEATS);
-    let turning = &mut act.state.others.turning;
+    let turning = &mut act.channel_mut().state.others.turning;
     for (slot, said) in turning.relief.iter_mut().zip(relief) {
         *slot = said.unwrap_or(*slot);
     }
@@ -92,7 +92,7 @@ pub(super) fn peck_settings(act: &mut Act<'_, '_>) -> bool {
         return false;
     }
     if let Some(back) = value(act, data::TURN_RETRACT) {
-        act.state.others.turning.back = back.abs();
+        act.channel_mut().state.others.turning.back = back.abs();
     }
     true
 }

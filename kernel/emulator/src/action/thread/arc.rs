@@ -26,11 +26,11 @@ pub(super) fn thread(act: &mut Act<'_, '_>, clockwise: bool, code: &PendingCode)
     let change = super::take_change(act, may, code.modal);
     act.take(data::INTERP_THREAD_ANGLE);
     let starts = super::take_starts(act);
-    act.state.threads.starts = starts;
-    let cartesian = &act.state.place.layout.cartesian;
-    let along = act.state.threads.along.and_then(|role| cartesian.get(role).copied().flatten());
+    act.channel_mut().state.threads.starts = starts;
+    let cartesian = &act.channel().state.place.layout.cartesian;
+    let along = act.channel().state.threads.along.and_then(|role| cartesian.get(role).copied().flatten());
     let screw = Screw { lead: pitch.unwrap_or(0.0) * starts, change: change * starts, along };
-    act.state.threads.recorded = Some(screw);
+    act.channel_mut().state.threads.recorded = Some(screw);
     circle::threaded(act, clockwise, code, screw)?;
     crate::action::cutter::after_thread(act);
     Ok(())

@@ -13,7 +13,7 @@ use counterpoint_motion::thread::Lead;
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
 use crate::state::alarms::NOT_DONE;
-use crate::state::spindle::Turning;
+use crate::state::spindle::{Turning, stopped};
 use crate::state::thread::Screw;
 use counterpoint_event::event::{FeedUnit, Motion, MotionKind, Position};
 use counterpoint_fault as diag;
@@ -47,13 +47,13 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// Cuts one pass.
 pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCode) -> Acted {
     let (pitch, sides) = take_pitch(act);
-    let by_word = change == LeadChange::None && act.env.machine.threads.changes;
+    let by_word = change == LeadChange::None && act.channel().env.machine.threads.changes;
     let change = take_change(act, if by_word { LeadChange::May } else { change }, code.modal);
     act.take(data::INTERP_THREAD_ANGLE);
     let starts = take_starts(act);
-    act.state.threads.starts = starts;
+    act.channel_mut().state.threads.starts = starts;
     let (coded, target) = act.targets();
-    if coded == 0 || target == act.state.place.position {
+    if coded == 0 || target == act.channel().state.place.position {
         return Ok(());
     }
     let (pitch, along) =
@@ -62,7 +62,7 @@ pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCo
         act.remember_lead(pitch);
     }
     let screw = Screw { lead: pitch.unwrap_or(0.0) * starts, change: change * starts, along };
-    act.state.threads.recorded = Some(screw);
+    act.channel_mut().state.threads.recorded = Some(screw);
     act.cut(coded, target, &screw)?;
     super::cutter::after_thread(act);
     Ok(())
@@ -70,7 +70,7 @@ pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCo
 
 /// Which axis leads count along, X (0) or Z (2).
 fn lead_along(act: &mut Act<'_, '_>, role: usize) -> Acted {
-    act.state.threads.along = Some(role);
+    act.channel_mut().state.threads.along = Some(role);
     Ok(())
 }
 
@@ -94,8 +94,8 @@ fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
 /// The pitch along X, Y or Z and its axis. Of several pitches, that of the longest travel counts, and the last one of
 /// equal travels. `None` if no axis with a pitch moves.
 fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
-    let changes = act.changes(&act.state.place.position, target);
-    let axes = &act.state.place.layout.cartesian;
+    let changes = act.channel().changes(&act.channel().state.place.position, target);
+    let axes = &act.channel().state.place.layout.cartesian;
     let mut longest = (None, None, 0.0);
     for (role, pitch) in sides.into_iter().enumerate() {
         let Some(pitch) = pitch else { continue };
@@ -112,7 +112,7 @@ fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Op
 fn take_change(act: &mut Act<'_, '_>, change: LeadChange, implied: bool) -> f64 {
     let id = data::INTERP_THREAD_PITCH_VAR;
     let said = if change == LeadChange::None { None } else { act.take(id).map(|datum| datum.value) };
-    let last = act.state.remembered.value(id).unwrap_or(0.0);
+    let last = act.channel().state.remembered.value(id).unwrap_or(0.0);
     let value = match (change, said) {
         (LeadChange::None, _) => 0.0,
         (LeadChange::May, None) if !implied => 0.0,
@@ -124,7 +124,7 @@ fn take_change(act: &mut Act<'_, '_>, change: LeadChange, implied: bool) -> f64 
         let text = format!("a thread with a changing lead needs its change in '{}'", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
-    act.state.remembered.remember(id, value);
+    act.channel_mut().state.remembered.remember(id, value);
     value
 }
 
@@ -134,7 +134,7 @@ fn take_starts(act: &mut Act<'_, '_>) -> f64 {
     let starts = take(act, data::INTERP_THREAD_STARTS);
     let current = take(act, data::INTERP_THREAD_START_CURRENT);
     let total = take(act, data::INTERP_THREAD_START_TOTAL);
-    let known = starts.or(total).or_else(|| act.state.remembered.value(data::INTERP_THREAD_STARTS));
+    let known = starts.or(total).or_else(|| act.channel().state.remembered.value(data::INTERP_THREAD_STARTS));
     let starts = known.map_or(1.0, |starts| starts.max(1.0));
     if let Some(current) = current
         && !(1.0..=starts).contains(&current)
@@ -148,47 +148,48 @@ fn take_starts(act: &mut Act<'_, '_>) -> f64 {
 impl Act<'_, '_> {
     /// The axis that the program has set for leads, if it moves.
     fn lead_axis(&self, target: &Position) -> Option<AxisSlot> {
-        let axis = self.state.place.layout.cartesian.get(self.state.threads.along?).copied().flatten()?;
-        (self.state.place.position.at(axis) != target.at(axis)).then_some(axis)
+        let axis =
+            self.channel().state.place.layout.cartesian.get(self.channel().state.threads.along?).copied().flatten()?;
+        (self.channel().state.place.position.at(axis) != target.at(axis)).then_some(axis)
     }
 
     /// Stops the channel at a thread without a lead before anything of it is made, where that is an alarm.
     pub(super) fn check_lead(&mut self, screw: &Screw) -> Acted {
-        if screw.lead > 0.0 || self.goes_on_at(&diag::NO_LEAD) {
+        if screw.lead > 0.0 || self.channel().goes_on_at(&diag::NO_LEAD) {
             return Ok(());
         }
         let text = format!("thread without a lead in '{}', {NOT_DONE}", self.block_text());
         self.diagnose(&diag::NO_LEAD, text);
-        self.check_stop()
+        self.channel().check_stop()
     }
 
     /// Remembers the lead as feed per revolution if both are words of one register, as the F of a control.
     pub(super) fn remember_lead(&mut self, pitch: f64) {
-        self.state.remembered.remember(data::INTERP_THREAD_PITCH, pitch);
+        self.channel_mut().state.remembered.remember(data::INTERP_THREAD_PITCH, pitch);
         if self.lead_is_feed() {
-            self.state.remembered.remember(data::FEED_UPR, pitch);
+            self.channel_mut().state.remembered.remember(data::FEED_UPR, pitch);
         }
     }
 
     /// The lead last programmed, or the feed per revolution where that is the same word.
     pub(super) fn remembered_lead(&self) -> Option<f64> {
-        let feed = if self.lead_is_feed() { self.state.remembered.value(data::FEED_UPR) } else { None };
-        feed.or_else(|| self.state.remembered.value(data::INTERP_THREAD_PITCH))
+        let feed = if self.lead_is_feed() { self.channel().state.remembered.value(data::FEED_UPR) } else { None };
+        feed.or_else(|| self.channel().state.remembered.value(data::INTERP_THREAD_PITCH))
     }
 
     /// One thread move to a programmed point.
     pub(super) fn cut_to_point(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
-        let target = self.work_point(&target);
+        let target = self.channel_mut().work_point(&target);
         self.cut(coded, target, screw)
     }
 
     /// One thread move to a target in the work frame.
     pub(super) fn cut(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
-        let from = self.state.place.position;
+        let from = self.channel().state.place.position;
         if target == from {
             return Ok(());
         }
-        let changes = self.changes(&from, &target);
+        let changes = self.channel().changes(&from, &target);
         let seconds = self.thread_seconds(&target, &changes, screw)?;
         let length = self.tool_path(&changes);
         let feed = (screw.lead, FeedUnit::PerRevolution);
@@ -207,23 +208,28 @@ impl Act<'_, '_> {
 
     /// The same for a path along the axis of the lead, geometry units.
     fn lead_seconds(&mut self, target: &Position, way: f64, screw: &Screw) -> Result<f64, Halt> {
-        let from = self.state.place.position;
+        let from = self.channel().state.place.position;
         if screw.lead.is_nan() || screw.lead <= 0.0 {
-            let done = self.becomes(&diag::NO_LEAD, "the move is timed as rapid");
+            let done = self.channel().becomes(&diag::NO_LEAD, "the move is timed as rapid");
             let text = format!("thread without a lead in '{}', {done}", self.block_text());
             self.diagnose(&diag::NO_LEAD, text);
             return Ok(self.rapid_seconds(&from, target));
         }
         let Some(turning) = self.speed_of_cut()? else {
-            let text =
-                format!("{} in the thread '{}', the move is timed as rapid", self.stopped_spindle(), self.block_text());
+            let text = format!(
+                "{} in the thread '{}', the move is timed as rapid",
+                stopped(self.channel()),
+                self.block_text()
+            );
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(self.rapid_seconds(&from, target));
         };
         let minutes = |lead: Lead| match turning {
             Turning::Fixed(rpm) => lead.minutes(way, rpm),
             Turning::Driven(driven, elapsed) => Some(driven.minutes_of(elapsed, lead.revolutions(way)?)),
-            Turning::Surface(speed) => lead.surface_minutes(way, &speed, self.radius(&from), self.radius(target)),
+            Turning::Surface(speed) => {
+                lead.surface_minutes(way, &speed, self.channel().radius(&from), self.channel().radius(target))
+            }
         };
         let lead = Lead { start: screw.lead, change: screw.change };
         if let Some(minutes) = minutes(lead) {
@@ -241,11 +247,11 @@ impl Act<'_, '_> {
 
     /// Reports a thread that needs a higher rate than an axis has.
     fn check_rates(&mut self, changes: &Position, seconds: f64) {
-        let axes = self.state.place.layout.axes.iter().zip(changes);
+        let axes = self.channel().state.place.layout.axes.iter().zip(changes);
         let over =
             axes.map(|(axis, change)| (change.abs(), axis.rapid)).find(|(way, most)| *way > most * seconds * EVEN);
-        let Some((way, most)) = over.filter(|_| !self.reports.plausible.thread) else { return };
-        self.reports.plausible.thread = true;
+        let Some((way, most)) = over.filter(|_| !self.channel().reports.plausible.thread) else { return };
+        self.channel_mut().reports.plausible.thread = true;
         let [asked, most] = [way / seconds, most].map(|rate| format!("{:.0}", rate * 60.0));
         let text = format!(
             "the thread in '{}' needs a rate of {asked} where its axis reaches {most}: reduce the spindle speed",

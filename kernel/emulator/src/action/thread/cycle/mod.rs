@@ -43,18 +43,20 @@ struct Thread {
 
 /// A setting acts.
 pub(crate) fn set(act: &mut Act<'_, '_>, setting: Setting) -> Acted {
-    let mode = act.state.threads.cycle.mode;
+    let mode = act.channel().state.threads.cycle.mode;
     let zigzag = |mode: u8| matches!(mode, 2 | 4);
     match setting {
         Setting::Chamfer(on) => {
-            act.state.threads.cycle.pull_out.on = on;
+            act.channel_mut().state.threads.cycle.pull_out.on = on;
             if on {
                 words::chamfer(act);
             }
         }
-        Setting::Zigzag(on) => act.state.threads.cycle.mode = if mode >= 3 { 3 } else { 1 } + u8::from(on),
-        Setting::Depth(true) => act.state.threads.cycle.mode = 3 + u8::from(zigzag(mode)),
-        Setting::Depth(false) if mode >= 3 => act.state.threads.cycle.mode = 1 + u8::from(zigzag(mode)),
+        Setting::Zigzag(on) => {
+            act.channel_mut().state.threads.cycle.mode = if mode >= 3 { 3 } else { 1 } + u8::from(on)
+        }
+        Setting::Depth(true) => act.channel_mut().state.threads.cycle.mode = 3 + u8::from(zigzag(mode)),
+        Setting::Depth(false) if mode >= 3 => act.channel_mut().state.threads.cycle.mode = 1 + u8::from(zigzag(mode)),
         Setting::Depth(false) => {}
     }
     Ok(())
@@ -62,14 +64,16 @@ pub(crate) fn set(act: &mut Act<'_, '_>, setting: Setting) -> Acted {
 
 /// A code of a cycle: takes its data, and cuts if the block has a position.
 pub(crate) fn cycle(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
-    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten();
+    let axis = |role: usize| act.channel().state.place.layout.cartesian.get(role).copied().flatten();
     let (Some(x), Some(z)) = (axis(0), axis(2)) else {
-        let text = format!("channel {} has no X and Z for the thread of '{}'", act.at.channel, act.block_text());
+        let text =
+            format!("channel {} has no X and Z for the thread of '{}'", act.channel().at.channel, act.block_text());
         act.diagnose(&diag::CYCLE_AXIS, text);
         return Ok(());
     };
     let axes = if kind.face { [x, z] } else { [z, x] };
-    (act.state.threads.cycle.kind, act.state.threads.cycle.block) = (Some(kind), act.at.blocks);
+    (act.channel_mut().state.threads.cycle.kind, act.channel_mut().state.threads.cycle.block) =
+        (Some(kind), act.channel().at.blocks);
     if kind.multi {
         multi(act, kind, axes)?
     } else {
@@ -81,8 +85,8 @@ pub(crate) fn cycle(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
 
 /// One pass and back.
 fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted {
-    if act.acting.mode_changed {
-        (act.state.threads.cycle.end, act.state.threads.cycle.taper) = ([None; 2], 0.0);
+    if act.channel().acting.mode_changed {
+        (act.channel_mut().state.threads.cycle.end, act.channel_mut().state.threads.cycle.taper) = ([None; 2], 0.0);
     }
     let start = words::points(act, [data::THREAD_SINGLE_START_X, data::THREAD_SINGLE_START_Z], false);
     let said = words::points(act, [data::THREAD_SINGLE_END_X, data::THREAD_SINGLE_END_Z], true);
@@ -91,7 +95,7 @@ fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acte
     let taper = act.take(across).map(|datum| datum.value);
     let screw = words::screw(act, data::THREAD_SINGLE_PITCH, data::THREAD_SINGLE_PITCH_VAR, axes[0], None);
     words::chamfer(act);
-    let cycle = &mut act.state.threads.cycle;
+    let cycle = &mut act.channel_mut().state.threads.cycle;
     cycle.taper = taper.unwrap_or(cycle.taper);
     for (slot, said) in cycle.end.iter_mut().zip(said) {
         *slot = said.or(*slot);
@@ -111,10 +115,10 @@ fn single(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acte
 
 /// All passes of a thread.
 fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted {
-    if act.env.machine.threads.two_lines && !words::positioned(act) {
+    if act.channel().env.machine.threads.two_lines && !words::positioned(act) {
         return words::settings(act, kind);
     }
-    act.state.threads.cycle.begin();
+    act.channel_mut().state.threads.cycle.begin();
     let start = words::points(act, [data::THREAD_MULTI_START_X, data::THREAD_MULTI_START_Z], false);
     let end = words::points(act, [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z], true);
     let offset = words::values(act, [data::THREAD_MULTI_OFFSET_X, data::THREAD_MULTI_OFFSET_Z]);
@@ -123,7 +127,7 @@ fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted
     words::amounts(act, kind)?;
     let starts = Some(data::THREAD_MULTI_STARTS);
     let screw = words::screw(act, data::THREAD_MULTI_PITCH, data::THREAD_MULTI_PITCH_VAR, axes[0], starts);
-    if !act.env.machine.threads.two_lines {
+    if !act.channel().env.machine.threads.two_lines {
         words::packed(act)?;
     }
     words::chamfer(act);
@@ -137,11 +141,11 @@ fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted
 
 /// The passes that the settings make of a depth.
 fn plan(act: &mut Act<'_, '_>) -> Result<Plan, Halt> {
-    if act.state.threads.cycle.depth.is_none() {
+    if act.channel().state.threads.cycle.depth.is_none() {
         let text = format!("a thread needs its depth in '{}', it is cut in one pass", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
-    let cycle = &act.state.threads.cycle;
+    let cycle = &act.channel().state.threads.cycle;
     let whole = |value: f64| value.clamp(0.0, passes::MOST_PASSES as f64) as u32;
     let plan = Plan {
         mode: cycle.mode,

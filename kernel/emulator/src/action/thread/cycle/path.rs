@@ -39,15 +39,15 @@ impl Act<'_, '_> {
     pub(super) fn all_passes(&mut self, thread: &Thread) -> Acted {
         let plan = plan(self)?;
         let (passes, cut_short) = plan.passes();
-        self.state.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
+        self.channel_mut().state.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
         if cut_short {
             let text =
                 format!("the thread of '{}' has too many passes, the rest is cut in one pass", self.block_text());
             self.diagnose(&diag::THREAD_PASSES, text);
         }
-        let level = self.programmed().at(thread.axes[1]) * thread.scales[1];
+        let level = self.channel().programmed().at(thread.axes[1]) * thread.scales[1];
         let outward = thread.outward(level);
-        let flank = libm::tan(self.state.threads.cycle.nose.to_radians() / 2.0);
+        let flank = libm::tan(self.channel().state.threads.cycle.nose.to_radians() / 2.0);
         let mut first = true;
         for pass in passes {
             let aside = match plan.mode {
@@ -57,7 +57,7 @@ impl Act<'_, '_> {
             };
             let shift = if aside { flank * pass.depth } else { 0.0 };
             let root = thread.root + outward * (plan.depth - pass.depth);
-            for _ in 0..self.state.threads.starts as u32 {
+            for _ in 0..self.channel().state.threads.starts as u32 {
                 if !std::mem::take(&mut first) {
                     self.count_as_block()?;
                 }
@@ -70,7 +70,7 @@ impl Act<'_, '_> {
     /// One pass that ends at `root` across and begins `shift` further along.
     pub(super) fn pass(&mut self, thread: &Thread, root: f64, shift: f64) -> Acted {
         let [along, across] = thread.axes;
-        let home = self.programmed();
+        let home = self.channel().programmed();
         let of = |axis: AxisSlot| home.at(axis);
         let level = of(across) * thread.scales[1];
         let way = thread.end - thread.begin;
@@ -83,7 +83,7 @@ impl Act<'_, '_> {
         if let Some(chamfer) = chamfer {
             self.chamfer(thread, &chamfer, (last - begin).abs())?;
         }
-        let mut clear = self.programmed();
+        let mut clear = self.channel().programmed();
         *clear.at_mut(across) = of(across);
         self.rapid_to_point(across.bit(), clear)?;
         self.rapid_to_point(along.bit(), home)
@@ -91,7 +91,7 @@ impl Act<'_, '_> {
 
     /// A position with these places along and across the thread.
     fn place_of(&self, thread: &Thread, places: [f64; 2]) -> Position {
-        let mut target = self.programmed();
+        let mut target = self.channel().programmed();
         for ((axis, scale), value) in thread.axes.iter().zip(thread.scales).zip(places) {
             let (slot, wanted) = (target.at_mut(*axis), value / scale);
             // Digits of sums after the ninth were not programmed.
@@ -102,7 +102,7 @@ impl Act<'_, '_> {
 
     /// Bit of an axis if it moves to the target.
     fn moved(&self, axis: AxisSlot, target: &Position) -> u8 {
-        if self.programmed().at(axis) == target.at(axis) { 0 } else { axis.bit() }
+        if self.channel().programmed().at(axis) == target.at(axis) { 0 } else { axis.bit() }
     }
 
     fn rapid_aside(&mut self, thread: &Thread, places: [f64; 2]) -> Acted {
@@ -113,7 +113,7 @@ impl Act<'_, '_> {
 
     /// The chamfer of a pass, if there is one: no higher than where the tool is.
     fn pull_out(&mut self, thread: &Thread, root: f64, level: f64, begin: f64) -> Option<Chamfer> {
-        let cycle = &mut self.state.threads.cycle;
+        let cycle = &mut self.channel_mut().state.threads.cycle;
         if !cycle.pull_out.on {
             return None;
         }
@@ -121,8 +121,8 @@ impl Act<'_, '_> {
         if let Some(leads) = cycle.pull_out.leads {
             cycle.pull_out.length = leads * thread.screw.lead;
         }
-        let starts = self.state.threads.starts;
-        let cycle = &self.state.threads.cycle;
+        let starts = self.channel().state.threads.starts;
+        let cycle = &self.channel().state.threads.cycle;
         let length = if cycle.pull_out.length > 0.0 {
             cycle.pull_out.length
         } else {

@@ -26,27 +26,28 @@ pub(super) type Said = ([Option<f64>; 2], [Option<f64>; 2], [Option<f64>; 2], f6
 /// Whether a position of a thread is in the block.
 pub(super) fn positioned(act: &Act<'_, '_>) -> bool {
     let own = [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z];
-    let axes = AXES.into_iter().filter_map(|role| act.state.place.layout.cartesian.get(role).copied().flatten());
-    let axes = axes.map(|axis| act.state.place.layout.axes[axis].data);
+    let axes =
+        AXES.into_iter().filter_map(|role| act.channel().state.place.layout.cartesian.get(role).copied().flatten());
+    let axes = axes.map(|axis| act.channel().state.place.layout.axes[axis].data);
     own.into_iter().chain(axes).any(|id| act.block_has(id))
 }
 
 /// Positions along X and Z as programmed in the work frame; with `axes` the words of the axes stand in.
 pub(super) fn points(act: &mut Act<'_, '_>, ids: [DataId; 2], axes: bool) -> [Option<f64>; 2] {
-    let relative = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut points = [None; 2];
     for (slot, (id, role)) in points.iter_mut().zip(ids.into_iter().zip(AXES)) {
-        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten() else {
+        let Some(axis) = act.channel().state.place.layout.cartesian.get(role).copied().flatten() else {
             continue;
         };
-        let word = Some(act.state.place.layout.axes[axis].data).filter(|_| axes);
+        let word = Some(act.channel().state.place.layout.axes[axis].data).filter(|_| axes);
         let datum = act.take(id).or_else(|| word.and_then(|word| act.take(word)));
         let of = |list: &Position| list.at(axis);
         *slot = datum.map(|datum| {
             if datum.incremental || relative && !datum.absolute {
-                of(&act.programmed()) + datum.value
-            } else if act.block.flags.machine_frame {
-                datum.value - act.shift_in_machine_frame(axis)
+                of(&act.channel().programmed()) + datum.value
+            } else if act.channel().block.flags.machine_frame {
+                datum.value - act.channel().shift_in_machine_frame(axis)
             } else {
                 datum.value
             }
@@ -65,7 +66,7 @@ fn take_within(act: &mut Act<'_, '_>, id: DataId, least: f64, most: f64) -> Opti
     if (least..=most).contains(&value) {
         return Some(value);
     }
-    let name = act.env.machine.data_name(id).to_owned();
+    let name = act.channel().env.machine.data_name(id).to_owned();
     let text = format!("{name} {value} is not in {least} to {most} in '{}'", act.block_text());
     act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     None
@@ -75,13 +76,13 @@ fn take_within(act: &mut Act<'_, '_>, id: DataId, least: f64, most: f64) -> Opti
 pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
     if let Some(finish) = act.take(finish) {
-        act.state.threads.cycle.finish = finish.value.abs();
+        act.channel_mut().state.threads.cycle.finish = finish.value.abs();
     }
     if let Some(least) = act.take(data::THREAD_MULTI_STEP_MIN) {
-        act.state.threads.cycle.least = least.value.abs();
+        act.channel_mut().state.threads.cycle.least = least.value.abs();
     }
     if let Some(cuts) = take_within(act, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
-        act.state.threads.cycle.finish_cuts = cuts.trunc();
+        act.channel_mut().state.threads.cycle.finish_cuts = cuts.trunc();
     }
     packed(act)?;
     angles(act)?;
@@ -93,39 +94,39 @@ pub(super) fn settings(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
 fn angles(act: &mut Act<'_, '_>) -> Acted {
     if let Some(angle) = take_within(act, data::THREAD_MULTI_ANGLE, 0.0, 170.0) {
         check_nose(act, angle)?;
-        act.state.threads.cycle.nose = angle;
+        act.channel_mut().state.threads.cycle.nose = angle;
     }
     if let Some(mode) = take_within(act, data::THREAD_MULTI_INFEED, 0.0, 4.0) {
-        act.state.threads.cycle.mode = mode as u8;
+        act.channel_mut().state.threads.cycle.mode = mode as u8;
     }
     Ok(())
 }
 
 /// Depth, steps and passes.
 pub(super) fn amounts(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
-    let one_line = !act.env.machine.threads.two_lines;
+    let one_line = !act.channel().env.machine.threads.two_lines;
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
     if one_line && let Some(finish) = act.take(finish) {
-        act.state.threads.cycle.finish = finish.value.abs();
+        act.channel_mut().state.threads.cycle.finish = finish.value.abs();
     }
     let (height, step) = match kind.face {
         true => (data::THREAD_MULTI_HEIGHT_Z, data::THREAD_MULTI_STEP_Z),
         false => (data::THREAD_MULTI_HEIGHT_X, data::THREAD_MULTI_STEP_X),
     };
     if let Some(height) = act.take(height) {
-        act.state.threads.cycle.depth = Some(height.value.abs());
+        act.channel_mut().state.threads.cycle.depth = Some(height.value.abs());
     }
     if let Some(step) = act.take(step) {
-        act.state.threads.cycle.step = Some(step.value.abs());
+        act.channel_mut().state.threads.cycle.step = Some(step.value.abs());
     }
     if one_line && let Some(least) = act.take(data::THREAD_MULTI_STEP_MIN) {
-        act.state.threads.cycle.least = least.value.abs();
+        act.channel_mut().state.threads.cycle.least = least.value.abs();
     }
     if let Some(cuts) = take_within(act, data::THREAD_MULTI_CUTS, 1.0, 999.0) {
-        act.state.threads.cycle.cuts = Some(cuts.trunc());
+        act.channel_mut().state.threads.cycle.cuts = Some(cuts.trunc());
     }
     if one_line && let Some(cuts) = take_within(act, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
-        act.state.threads.cycle.finish_cuts = cuts.trunc();
+        act.channel_mut().state.threads.cycle.finish_cuts = cuts.trunc();
     }
     angles(act)
 }
@@ -135,7 +136,7 @@ pub(super) fn packed(act: &mut Act<'_, '_>) -> Acted {
     let Some(word) = take_within(act, data::THREAD_MULTI_PWORD, 0.0, 999_999.0) else { return Ok(()) };
     let word = word as u32;
     check_nose(act, f64::from(word % 100))?;
-    let cycle = &mut act.state.threads.cycle;
+    let cycle = &mut act.channel_mut().state.threads.cycle;
     cycle.finish_cuts = f64::from(word / 10_000);
     let tenths = word / 100 % 100;
     cycle.pull_out.on = tenths > 0;
@@ -146,7 +147,7 @@ pub(super) fn packed(act: &mut Act<'_, '_>) -> Acted {
 
 /// The control has an angle of the nose.
 fn check_nose(act: &mut Act<'_, '_>, angle: f64) -> Acted {
-    let noses = act.env.machine.threads.noses;
+    let noses = act.channel().env.machine.threads.noses;
     if noses == 0 || angle.fract() == 0.0 && noses >> (angle as u32).min(127) & 1 != 0 {
         return Ok(());
     }
@@ -158,13 +159,13 @@ fn check_nose(act: &mut Act<'_, '_>, angle: f64) -> Acted {
 /// Length and angle of the chamfer; a length of nothing is none.
 pub(super) fn chamfer(act: &mut Act<'_, '_>) {
     if let Some(length) = act.take(data::THREAD_CHAMFER_LENGTH) {
-        let cycle = &mut act.state.threads.cycle;
+        let cycle = &mut act.channel_mut().state.threads.cycle;
         cycle.pull_out.length = length.value.abs();
         cycle.pull_out.leads = None;
         cycle.pull_out.on = cycle.pull_out.length > 0.0;
     }
     if let Some(angle) = take_within(act, data::THREAD_CHAMFER_ANGLE, 10.0, 80.0) {
-        act.state.threads.cycle.pull_out.angle = angle;
+        act.channel_mut().state.threads.cycle.pull_out.angle = angle;
     }
 }
 
@@ -182,12 +183,12 @@ pub(super) fn screw(
     }
     let pitch = act.remembered_lead().unwrap_or(0.0);
     let change = act.take(change).map_or(0.0, |datum| datum.value);
-    act.state.remembered.remember(data::INTERP_THREAD_PITCH_VAR, change);
+    act.channel_mut().state.remembered.remember(data::INTERP_THREAD_PITCH_VAR, change);
     act.take(data::INTERP_THREAD_ANGLE);
     let said = starts.and_then(|id| take_within(act, id, 1.0, MOST_STARTS));
-    let starts = said.or_else(|| act.state.remembered.value(data::INTERP_THREAD_STARTS)).unwrap_or(1.0);
+    let starts = said.or_else(|| act.channel().state.remembered.value(data::INTERP_THREAD_STARTS)).unwrap_or(1.0);
     let starts = starts.clamp(1.0, MOST_STARTS).trunc();
-    act.state.threads.starts = starts;
+    act.channel_mut().state.threads.starts = starts;
     Screw { lead: pitch * starts, change: change * starts, along: Some(along) }
 }
 
@@ -201,8 +202,8 @@ pub(super) fn thread(
 ) -> Option<Thread> {
     let order = |[x, z]: [Option<f64>; 2]| if kind.face { [x, z] } else { [z, x] };
     let (start, end, offset) = (order(start), order(end), order(offset));
-    let scales = axes.map(|axis| act.state.place.layout.axes[axis].scale);
-    let place = act.programmed();
+    let scales = axes.map(|axis| act.channel().state.place.layout.axes[axis].scale);
+    let place = act.channel().programmed();
     let here = axes.map(|axis| place.at(axis));
     if end.iter().any(Option::is_none) {
         let text = format!("a thread needs its end along X and Z in '{}'", act.block_text());
