@@ -3,7 +3,7 @@
 //! *Invariant:* a macro reads and changes only the state of the kernel itself; data that belong to several kernels are
 //! reached through shared operations only. Facts: reference control-emulator.md 4, system-variables.md, functions.md.
 
-mod block;
+pub(crate) mod block;
 mod commands;
 mod diagnostics;
 mod dialogs;
@@ -65,7 +65,7 @@ impl Registers for Kernel<'_> {
     }
 
     fn register_text(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
-        self.register_word(register, value, word)
+        functions::register_word(&mut self.channel, register, value, word)
     }
 }
 

@@ -5,6 +5,7 @@
 use crate::line_up::LineUp;
 use counterpoint_machine::ident::DataId;
 use counterpoint_machine::index::{CodeRowId, REGISTERS, RegisterId};
+use counterpoint_machine::rows::CodeRow;
 
 /// A word: letter and number.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -196,6 +197,21 @@ impl Block {
             return;
         }
         self.words.push(word);
+    }
+
+    /// Marks a word as used.
+    #[inline]
+    pub fn use_word(&mut self, position: usize) {
+        if let Some(word) = self.words.get_mut(position) {
+            word.used = true;
+        }
+    }
+
+    /// Queues the code of a row; `modal`: the modal code of its group, which is not written in the block.
+    #[inline]
+    pub fn queue(&mut self, index: CodeRowId, row: &CodeRow, value: f64, modal: bool) {
+        self.flags.special |= row.special;
+        self.pending.push(PendingCode { order: row.order, row: index, value, modal, only_if_data_left: false });
     }
 
     /// Adds text that is not a word. When there are very many such texts, the text between them becomes part of one.

@@ -7,6 +7,8 @@
 
 use super::Kernel;
 use super::flow::{Callee, Frame};
+use crate::channel::system_variables;
+use crate::state::channel::Channel;
 use crate::state::frames::offsets::EXTENDED;
 use crate::state::modal::{feed_of, group};
 use counterpoint_machine::ident::dimension::Dimension;
@@ -39,7 +41,7 @@ impl Kernel<'_> {
             b'N' => f64::from(channel.block.sequence.or(remembered.sequence()).unwrap_or(0)),
             b'O' => f64::from(self.running_program()),
             b'X' | b'Y' | b'Z' => {
-                let slot = self.tool_axis(letter - b'X');
+                let slot = system_variables::tool_axis(&self.channel.state.place, letter - b'X');
                 slot.map_or(0.0, |slot| channel.programmed().at(slot) / self.length_factor(slot))
             }
             b'P' => f64::from(place.in_force.work_offset.saturating_sub(EXTENDED)),
@@ -55,30 +57,30 @@ impl Kernel<'_> {
 
     /// Number of the main program, 0 if it has none.
     pub(super) fn main_number(&self) -> u32 {
-        self.flow.frames.first().and_then(|frame| self.program_of(frame)).unwrap_or(0)
+        self.flow.frames.first().and_then(|frame| program_of(&self.channel, frame)).unwrap_or(0)
     }
 
     /// Number of the running program, 0 if it has none.
     fn running_program(&self) -> u32 {
-        self.flow.frames.iter().rev().find_map(|frame| self.program_of(frame)).unwrap_or(0)
+        self.flow.frames.iter().rev().find_map(|frame| program_of(&self.channel, frame)).unwrap_or(0)
     }
+}
 
-    /// Number of the program of a frame, 0 without one; none where blocks of the program before it run.
-    fn program_of(&self, frame: &Frame) -> Option<u32> {
-        match frame.called.what {
-            Callee::Program(0) | Callee::Named(_) => Some(self.defined(frame)),
-            Callee::Program(number) | Callee::ProgramFrom(number, _) => Some(number),
-            Callee::Blocks(..) | Callee::From(_) | Callee::Labels(..) => None,
-        }
+/// Number of the program of a frame, 0 without one; none where blocks of the program before it run.
+fn program_of(channel: &Channel<'_>, frame: &Frame) -> Option<u32> {
+    match frame.called.what {
+        Callee::Program(0) | Callee::Named(_) => Some(defined(channel, frame)),
+        Callee::Program(number) | Callee::ProgramFrom(number, _) => Some(number),
+        Callee::Blocks(..) | Callee::From(_) | Callee::Labels(..) => None,
     }
+}
 
-    /// The program number in the text of a frame: that of its first definition, or of the program in which it begins.
-    fn defined(&self, frame: &Frame) -> u32 {
-        let range = &frame.range;
-        let programs = self.channel.env.sources.get(frame.file).map_or(&[][..], |source| source.programs());
-        let own = programs.iter().filter(|own| (range.first..=range.last).contains(&own.first));
-        let around = programs.iter().filter(|own| (own.first..=own.last).contains(&range.first));
-        let found = own.chain(around).find_map(|own| own.number);
-        range.number.or(found).unwrap_or(0)
-    }
+/// The program number in the text of a frame: that of its first definition, or of the program in which it begins.
+fn defined(channel: &Channel<'_>, frame: &Frame) -> u32 {
+    let range = &frame.range;
+    let programs = channel.env.sources.get(frame.file).map_or(&[][..], |source| source.programs());
+    let own = programs.iter().filter(|own| (range.first..=range.last).contains(&own.first));
+    let around = programs.iter().filter(|own| (own.first..=own.last).contains(&range.first));
+    let found = own.chain(around).find_map(|own| own.number);
+    range.number.or(found).unwrap_or(0)
 }

@@ -19,6 +19,7 @@ use super::Kernel;
 use crate::state::State;
 use crate::state::coupling::{Coupling, Parking, slots};
 use crate::state::position::Bounds;
+use crate::state::position::Place;
 use counterpoint_waits::coupling::{End, Kind, Pair};
 
 /// Where two channels meet.
@@ -74,7 +75,7 @@ impl Kernel<'_> {
             let layout = &mut self.channel.state.place.layout;
             let moving = layout.axes[slot].moving(&machine.axes[other.axis], moves);
             coupling.own = Some((std::mem::replace(&mut layout.axes[slot], moving), moves));
-            self.limits_changed();
+            limits_changed(&mut self.channel.state.place);
         }
         self.channel.state.others.couplings.push(coupling);
         self.hold_followers();
@@ -135,7 +136,7 @@ impl Kernel<'_> {
         let slot = coupling.slot;
         if let Some((own, _)) = coupling.own {
             self.channel.state.place.layout.axes[slot] = own;
-            self.limits_changed();
+            limits_changed(&mut self.channel.state.place);
         }
         self.hold_followers();
         let by = pair.sign(self.channel.env.machine) * theirs;
@@ -182,7 +183,7 @@ impl Kernel<'_> {
                 *own = std::mem::replace(&mut place.layout.axes[slot], moving);
             }
         }
-        self.limits_changed();
+        limits_changed(&mut self.channel.state.place);
         self.hold_followers();
     }
 
@@ -204,13 +205,6 @@ impl Kernel<'_> {
                 layout.exchanged &= !slot.bit();
             }
         }
-    }
-
-    fn limits_changed(&mut self) {
-        let stored = self.channel.state.place.stored.as_deref().is_some_and(|area| area.on);
-        let layout = &mut self.channel.state.place.layout;
-        layout.bounds.nearness = Bounds::nearness(&layout.axes);
-        layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some()) || stored;
     }
 
     pub(super) fn log_coupling(&mut self, pair: &Pair, what: &str, moved: Option<Moved>) {
@@ -293,4 +287,11 @@ impl Kernel<'_> {
 
 pub(super) fn key(axis: End, with: End, meeting: Meeting) -> Coupled {
     Coupled { axis: axis.axis.index() as u16, with: with.axis.index() as u16, at: meeting.number() }
+}
+
+fn limits_changed(place: &mut Place) {
+    let stored = place.stored.as_deref().is_some_and(|area| area.on);
+    let layout = &mut place.layout;
+    layout.bounds.nearness = Bounds::nearness(&layout.axes);
+    layout.bounds.limited = layout.axes.iter().any(|axis| axis.limits.is_some()) || stored;
 }

@@ -2,6 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 1.3. *Invariant:* a value is removed from the block at most once.
 
+use counterpoint_machine::Machine;
 use std::borrow::Cow;
 
 use super::Kernel;
@@ -64,16 +65,11 @@ impl Kernel<'_> {
         if row.min.is_some_and(|min| handed.raw < min) || row.max.is_some_and(|max| handed.raw > max) {
             self.out_of_range(at, handed.raw);
         }
-        (self.handed_value(handed), self.channel.unit_factor(row.dimension.plain()), row.modal && row.process)
-    }
-
-    /// The same value with the factor of its row, in the unit of the program.
-    #[cold]
-    pub(crate) fn handed_value(&self, handed: Handed) -> f64 {
-        handed.row.map_or(handed.raw, |at| {
-            let row = &self.channel.env.machine.data[at];
-            handed.raw * row.mul + row.add
-        })
+        (
+            handed_value(self.channel.env.machine, handed),
+            self.channel.unit_factor(row.dimension.plain()),
+            row.modal && row.process,
+        )
     }
 
     /// Whether a value of `id` is in the block.
@@ -276,4 +272,13 @@ impl Kernel<'_> {
         );
         self.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     }
+}
+
+/// The same value with the factor of its row, in the unit of the program.
+#[cold]
+pub(crate) fn handed_value(machine: &Machine, handed: Handed) -> f64 {
+    handed.row.map_or(handed.raw, |at| {
+        let row = &machine.data[at];
+        handed.raw * row.mul + row.add
+    })
 }

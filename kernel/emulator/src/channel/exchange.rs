@@ -13,6 +13,7 @@ use counterpoint_sync::Moved;
 use counterpoint_sync::wait::{Act, Wait};
 
 use super::Kernel;
+use crate::state::position::Place;
 use counterpoint_waits::Meaning;
 use counterpoint_waits::leases::{self, Leased, of_axis};
 
@@ -59,14 +60,6 @@ impl Kernel<'_> {
             self.find_moved(axis)?;
         }
         Ok(())
-    }
-
-    /// Whether a move concerns an axis that channels exchange.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn moves_exchanged(&self, motion: &Motion) -> bool {
-        let layout = &self.channel.state.place.layout;
-        layout.axes.ids().any(|slot| layout.exchanged & slot.bit() != 0 && moves(motion, slot))
     }
 
     /// The channel moves axes that channels exchange.
@@ -138,4 +131,12 @@ impl Kernel<'_> {
 fn moves(motion: &Motion, slot: AxisSlot) -> bool {
     let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
     round && motion.plane_axes.map(usize::from).contains(&slot.index()) || motion.from.at(slot) != motion.to.at(slot)
+}
+
+/// Whether a move concerns an axis that channels exchange.
+#[cold]
+#[inline(never)]
+pub(super) fn moves_exchanged(place: &Place, motion: &Motion) -> bool {
+    let layout = &place.layout;
+    layout.axes.ids().any(|slot| layout.exchanged & slot.bit() != 0 && moves(motion, slot))
 }

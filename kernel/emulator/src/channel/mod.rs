@@ -38,7 +38,7 @@ mod pace;
 pub mod parts;
 mod passes;
 pub mod plan;
-mod refusals;
+pub(crate) mod refusals;
 pub(crate) mod report;
 mod search;
 mod separate;

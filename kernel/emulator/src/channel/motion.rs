@@ -7,6 +7,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::index::BySlot;
 
 use super::Kernel;
+use crate::channel::exchange;
 use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;
 
@@ -81,7 +82,9 @@ impl Kernel<'_> {
             self.check_clamps(motion);
         }
         let (mut seconds, mut stretch) = (seconds, self.paced(seconds, motion));
-        if self.channel.state.place.layout.exchanged != 0 && self.moves_exchanged(motion) {
+        if self.channel.state.place.layout.exchanged != 0
+            && exchange::moves_exchanged(&self.channel.state.place, motion)
+        {
             // When such a move ends has to be known to the channel that gets the axis.
             self.come_to_rest();
             seconds = stretch.take().map_or(seconds, |stretch| stretch.piece.alone());

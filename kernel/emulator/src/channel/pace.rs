@@ -10,6 +10,7 @@ use counterpoint_sync::tag::Tag;
 
 use super::Kernel;
 use crate::state::channel::At;
+use crate::state::channel::Channel;
 use crate::state::modal::group;
 use crate::state::pace::Stretch;
 use counterpoint_sync::backlog::blank;
@@ -18,16 +19,10 @@ impl Kernel<'_> {
     /// The move as the look-ahead takes it; none if the path stops before and after it.
     #[inline(always)]
     pub(crate) fn paced(&self, seconds: f64, motion: &Motion) -> Option<Stretch> {
-        if self.channel.pace.is_some() && self.channel.held.is_none() { self.continuous(seconds, motion) } else { None }
-    }
-
-    #[inline(never)]
-    fn continuous(&self, seconds: f64, motion: &Motion) -> Option<Stretch> {
-        match motion.kind {
-            MotionKind::Rapid | MotionKind::Thread => None,
-            // The spindle leads.
-            _ if self.channel.state.threads.rounds => None,
-            _ => self.channel.stretch(seconds, motion),
+        if self.channel.pace.is_some() && self.channel.held.is_none() {
+            continuous(&self.channel, seconds, motion)
+        } else {
+            None
         }
     }
 
@@ -197,5 +192,15 @@ impl Kernel<'_> {
         let count = self.ports.emitter.held_count() + 1;
         self.ports.emitter.holds_back(Some(count));
         self.channel.pace.as_mut()?.add(blank())
+    }
+}
+
+#[inline(never)]
+fn continuous(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stretch> {
+    match motion.kind {
+        MotionKind::Rapid | MotionKind::Thread => None,
+        // The spindle leads.
+        _ if channel.state.threads.rounds => None,
+        _ => channel.stretch(seconds, motion),
     }
 }

@@ -4,6 +4,7 @@
 //! *Invariant:* a block without a code or register that a rule looks for costs one look at each of its codes.
 
 use super::Kernel;
+use crate::state::channel::Channel;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
 use counterpoint_machine::Machine;
@@ -176,21 +177,9 @@ impl Kernel<'_> {
             return self.check_exchanged(slots);
         };
         let word = self.span_text((word.start, word.end));
-        let text = format!("{} for {word} in '{}'; no part of the block acts", self.no_such_axis(), self.block_text());
+        let text =
+            format!("{} for {word} in '{}'; no part of the block acts", no_such_axis(&self.channel), self.block_text());
         Err(self.alarm(&diag::AXIS_NOT_IN_CHANNEL, text))
-    }
-
-    /// `channel 1 has no axis (its axes are X, Y and Z)`.
-    pub(crate) fn no_such_axis(&self) -> String {
-        let machine = self.channel.env.machine;
-        let axes = self.channel.state.place.layout.axes.entries();
-        let letters: Vec<&str> = axes.map(|(_, axis)| machine.axes[axis.machine].letter.as_str()).collect();
-        let letters = match letters.as_slice() {
-            [] => "it has none".to_owned(),
-            [one] => format!("its axis is {one}"),
-            [first @ .., last] => format!("its axes are {} and {last}", first.join(", ")),
-        };
-        format!("channel {} has no axis ({letters})", self.channel.at.channel)
     }
 
     /// Whether no rule can refuse the block, for any active codes.
@@ -230,33 +219,7 @@ impl Kernel<'_> {
     /// Whether a rule refuses the block, whose words are as it wants them.
     #[inline]
     fn is_refused_by(&self, rule: &Refusal) -> bool {
-        rule.word.as_ref().is_none_or(|word| self.is_wrong(word)) && self.has_state(rule)
-    }
-
-    /// Whether a code of the block is one of the rule, and the active codes satisfy the rule.
-    fn has_state(&self, rule: &Refusal) -> bool {
-        let mut pending = self
-            .channel
-            .block
-            .pending
-            .iter()
-            .filter(|pending| rule.implied && !pending.only_if_data_left || !pending.modal);
-        let trigger = pending.find(|pending| rule.codes.iter().any(|code| self.is_written(code, pending)));
-        if trigger.is_none() && !rule.codes.is_empty() {
-            return false;
-        }
-        let mut written = self.channel.block.pending.iter().filter(|pending| !pending.modal);
-        let mut others =
-            self.channel.block.pending.iter().filter(|pending| !pending.modal && Some(*pending) != trigger);
-        if !rule.together.is_empty() && !others.any(|other| rule.together.iter().any(|c| self.is_written(c, other))) {
-            return false;
-        }
-        if !rule.unless.is_empty() && written.any(|pending| rule.unless.iter().any(|c| self.is_written(c, pending))) {
-            return false;
-        }
-        let was = |state: &Active| self.channel.state.modal.code(state.group) == Some(state.id);
-        let stays = |state: &Active| was(state) && !self.is_ended(state, trigger);
-        (rule.active.is_empty() || rule.active.iter().any(stays)) && !rule.inactive.iter().any(was)
+        rule.word.as_ref().is_none_or(|word| self.is_wrong(word)) && has_state(&self.channel, rule)
     }
 
     /// Whether the block's words of a register are not as the rule wants them.
@@ -279,25 +242,61 @@ impl Kernel<'_> {
         let text = self.word_bytes(word);
         text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
     }
+}
 
-    fn is_written(&self, code: &Written, pending: &PendingCode) -> bool {
-        let row = &self.channel.env.machine.codes[pending.row];
-        match *code {
-            Written::Id(id) => row.id == id,
-            Written::Word { register, min, max } => {
-                let own = form_range(&row.form).filter(|(own, ..)| *own == register);
-                // An omitted value has the value of its row.
-                own.is_some_and(|(_, first, _)| {
-                    (min..=max).contains(if pending.modal { &first } else { &pending.value })
-                })
-            }
+/// `channel 1 has no axis (its axes are X, Y and Z)`.
+pub(crate) fn no_such_axis(channel: &Channel<'_>) -> String {
+    let machine = channel.env.machine;
+    let axes = channel.state.place.layout.axes.entries();
+    let letters: Vec<&str> = axes.map(|(_, axis)| machine.axes[axis.machine].letter.as_str()).collect();
+    let letters = match letters.as_slice() {
+        [] => "it has none".to_owned(),
+        [one] => format!("its axis is {one}"),
+        [first @ .., last] => format!("its axes are {} and {last}", first.join(", ")),
+    };
+    format!("channel {} has no axis ({letters})", channel.at.channel)
+}
+
+/// Whether a code of the block is one of the rule, and the active codes satisfy the rule.
+fn has_state(channel: &Channel<'_>, rule: &Refusal) -> bool {
+    let mut pending =
+        channel.block.pending.iter().filter(|pending| rule.implied && !pending.only_if_data_left || !pending.modal);
+    let trigger = pending.find(|pending| rule.codes.iter().any(|code| is_written(channel.env.machine, code, pending)));
+    if trigger.is_none() && !rule.codes.is_empty() {
+        return false;
+    }
+    let mut written = channel.block.pending.iter().filter(|pending| !pending.modal);
+    let mut others = channel.block.pending.iter().filter(|pending| !pending.modal && Some(*pending) != trigger);
+    if !rule.together.is_empty()
+        && !others.any(|other| rule.together.iter().any(|c| is_written(channel.env.machine, c, other)))
+    {
+        return false;
+    }
+    if !rule.unless.is_empty()
+        && written.any(|pending| rule.unless.iter().any(|c| is_written(channel.env.machine, c, pending)))
+    {
+        return false;
+    }
+    let was = |state: &Active| channel.state.modal.code(state.group) == Some(state.id);
+    let stays = |state: &Active| was(state) && !is_ended(channel, state, trigger);
+    (rule.active.is_empty() || rule.active.iter().any(stays)) && !rule.inactive.iter().any(was)
+}
+
+fn is_written(machine: &Machine, code: &Written, pending: &PendingCode) -> bool {
+    let row = &machine.codes[pending.row];
+    match *code {
+        Written::Id(id) => row.id == id,
+        Written::Word { register, min, max } => {
+            let own = form_range(&row.form).filter(|(own, ..)| *own == register);
+            // An omitted value has the value of its row.
+            own.is_some_and(|(_, first, _)| (min..=max).contains(if pending.modal { &first } else { &pending.value }))
         }
     }
+}
 
-    /// Whether another code of the group of an active code is in the block.
-    fn is_ended(&self, state: &Active, trigger: Option<&PendingCode>) -> bool {
-        let others = self.channel.block.pending.iter().filter(|pending| !pending.modal && Some(*pending) != trigger);
-        let mut rows = others.map(|pending| &self.channel.env.machine.codes[pending.row]);
-        rows.any(|row| row.group == state.group && row.id != state.id)
-    }
+/// Whether another code of the group of an active code is in the block.
+fn is_ended(channel: &Channel<'_>, state: &Active, trigger: Option<&PendingCode>) -> bool {
+    let others = channel.block.pending.iter().filter(|pending| !pending.modal && Some(*pending) != trigger);
+    let mut rows = others.map(|pending| &channel.env.machine.codes[pending.row]);
+    rows.any(|row| row.group == state.group && row.id != state.id)
 }

@@ -13,6 +13,7 @@ use rustc_hash::FxHashMap;
 use super::Kernel;
 use super::flow::Callee;
 use crate::macros::store;
+use crate::state::channel::Channel;
 use counterpoint_event::event::FileId;
 use counterpoint_machine::ident::{codes, data};
 use counterpoint_machine::index::RegisterId;
@@ -70,7 +71,7 @@ impl Kernel<'_> {
     pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
         if let Callee::ProgramFrom(number, first) = *what {
             let whole = self.find_program(&Callee::Program(number))?;
-            return Ok(whole.and_then(|(file, range)| Some((file, self.begun_at(file, range, first)?))));
+            return Ok(whole.and_then(|(file, range)| Some((file, begun_at(&self.channel, file, range, first)?))));
         }
         let Callee::Program(number) = *what else { return self.look_for_program(what) };
         let [Some(main), Some(caller)] = [self.flow.frames.first(), self.flow.frames.last()] else {
@@ -88,14 +89,6 @@ impl Kernel<'_> {
             self.flow.known.programs.keep(wanted, found);
         }
         Ok(found)
-    }
-
-    /// The blocks of a program from a line with a sequence number on.
-    fn begun_at(&self, file: FileId, range: Range, number: u32) -> Option<Range> {
-        let mut blocks = self.channel.env.sources.get(file)?.sequences(number).iter();
-        let inside = |line: u32| (range.first..=range.last).contains(&line);
-        let first = blocks.find(|block| block.offset == 0 && inside(block.line))?.line;
-        Some(Range { first, ..range })
     }
 
     /// Looks for a program in all places.
@@ -124,7 +117,7 @@ impl Kernel<'_> {
         let Some(file) = file else { return Ok(None) };
         let searched = self.channel.env.sources.get(file).map_or(0, |source| source.programs().len());
         self.work(searched / 16)?;
-        Ok(self.in_file(file, what).map(|range| (file, range)))
+        Ok(in_file(&self.channel, file, what).map(|range| (file, range)))
     }
 
     /// The first file of the job that defines a program of this number.
@@ -221,7 +214,7 @@ impl Kernel<'_> {
         };
         let file = file as FileId;
         self.load(file)?;
-        if let Some(range) = self.in_file(file, what) {
+        if let Some(range) = in_file(&self.channel, file, what) {
             return Ok(Some((file, range)));
         }
         let sources = self.channel.env.sources;
@@ -238,15 +231,6 @@ impl Kernel<'_> {
             range.first += 1;
         }
         Ok(Some((file, range)))
-    }
-
-    fn in_file(&self, file: FileId, what: &Callee) -> Option<Range> {
-        let source = self.channel.env.sources.get(file)?;
-        match what {
-            Callee::Named(name) => source.named(name),
-            Callee::Program(number) => source.programs().iter().find(|r| r.number == Some(*number)).copied(),
-            Callee::ProgramFrom(..) | Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => None,
-        }
     }
 
     /// Folder of the main program with its slash, and its name without extension.
@@ -349,5 +333,22 @@ fn names(what: &Callee) -> Vec<String> {
         }
         Callee::Named(name) => vec![name.to_string()],
         Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => Vec::new(),
+    }
+}
+
+/// The blocks of a program from a line with a sequence number on.
+fn begun_at(channel: &Channel<'_>, file: FileId, range: Range, number: u32) -> Option<Range> {
+    let mut blocks = channel.env.sources.get(file)?.sequences(number).iter();
+    let inside = |line: u32| (range.first..=range.last).contains(&line);
+    let first = blocks.find(|block| block.offset == 0 && inside(block.line))?.line;
+    Some(Range { first, ..range })
+}
+
+fn in_file(channel: &Channel<'_>, file: FileId, what: &Callee) -> Option<Range> {
+    let source = channel.env.sources.get(file)?;
+    match what {
+        Callee::Named(name) => source.named(name),
+        Callee::Program(number) => source.programs().iter().find(|r| r.number == Some(*number)).copied(),
+        Callee::ProgramFrom(..) | Callee::Blocks(..) | Callee::Labels(..) | Callee::From(_) => None,
     }
 }

@@ -7,7 +7,9 @@
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
+use crate::state::channel::Channel;
 use crate::state::frames::offsets::{BASE, EXTENDED, Radii, Table};
+use crate::state::position::Place;
 use counterpoint_dialect::{NotThere, is_vacant};
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::codes;
@@ -204,7 +206,7 @@ impl Kernel<'_> {
             Some(axes) => layout.cartesian.get(usize::from(*axes.get(at)?)).copied().flatten()?,
         };
         let values = match frame {
-            Frame::Local => self.local_shift(),
+            Frame::Local => local_shift(&self.channel),
             Frame::BlockEnd => channel.programmed(),
             Frame::Machine => channel.machine_point(&channel.state.place.position),
             Frame::Work => sum(channel.programmed(), channel.tool_shift()),
@@ -221,17 +223,6 @@ impl Kernel<'_> {
             return Some(values.at(slot).rem_euclid(360.0));
         }
         Some(values.at(slot) / self.length_factor(slot))
-    }
-
-    fn local_shift(&self) -> Position {
-        let mut values = self.channel.beside_shift();
-        let shift = self.channel.frame_values().translation;
-        for (slot, value) in self.channel.state.place.layout.cartesian.iter().zip(shift) {
-            if let Some(slot) = slot {
-                *values.at_mut(*slot) = value;
-            }
-        }
-        values
     }
 
     fn in_force(&self, table: Table) -> Position {
@@ -259,16 +250,14 @@ impl Kernel<'_> {
         if self.set_offset(Table::Work, number, values) { Ok(()) } else { Err(NotThere::TooBig) }
     }
 
-    pub(super) fn tool_axis(&self, role: u8) -> Option<AxisSlot> {
-        self.channel.state.place.layout.cartesian.get(usize::from(role)).copied().flatten()
-    }
-
     fn tool_offset(&self, column: Column, wear: bool, number: u32) -> Option<f64> {
         let channel = &self.channel;
         let (table, radii) = tables(wear);
         let length = channel.unit_factor(Dimension::Length);
         match column {
-            Column::Axis(role) => Some(channel.offset_values(table, number).at(self.tool_axis(role)?) / length),
+            Column::Axis(role) => {
+                Some(channel.offset_values(table, number).at(tool_axis(&self.channel.state.place, role)?) / length)
+            }
             Column::Radius => Some(channel.offset_radius(radii, number) / length),
             Column::Diameter => Some(2.0 * channel.offset_radius(radii, number) / length),
             Column::Tip => Some(f64::from(channel.offset_tip(number))),
@@ -283,7 +272,7 @@ impl Kernel<'_> {
         let length = self.channel.unit_factor(Dimension::Length);
         let done = match column {
             Column::Axis(role) => {
-                let Some(slot) = self.tool_axis(role) else { return Err(NotThere::Missing) };
+                let Some(slot) = tool_axis(&self.channel.state.place, role) else { return Err(NotThere::Missing) };
                 let mut values = self.channel.offset_values(table, number);
                 *values.at_mut(slot) = value * length;
                 self.set_offset(table, number, values)
@@ -351,6 +340,21 @@ fn month_days(year: u32, month: u32) -> u32 {
         4 | 6 | 9 | 11 => 30,
         _ => 31,
     }
+}
+
+fn local_shift(channel: &Channel<'_>) -> Position {
+    let mut values = channel.beside_shift();
+    let shift = channel.frame_values().translation;
+    for (slot, value) in channel.state.place.layout.cartesian.iter().zip(shift) {
+        if let Some(slot) = slot {
+            *values.at_mut(*slot) = value;
+        }
+    }
+    values
+}
+
+pub(super) fn tool_axis(place: &Place, role: u8) -> Option<AxisSlot> {
+    place.layout.cartesian.get(usize::from(role)).copied().flatten()
 }
 
 #[cfg(test)]

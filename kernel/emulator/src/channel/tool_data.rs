@@ -9,6 +9,7 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::macros::store::column;
+use crate::state::channel::Channel;
 use crate::state::frames::offsets::Radii;
 use crate::state::modal::group;
 use counterpoint_event::event::{Kind, ToolData};
@@ -79,7 +80,7 @@ impl Kernel<'_> {
         let written = |column| self.tool_cell(tool, column);
         let number = |column| written(column).and_then(Value::as_real).filter(|value| value.is_finite());
         let (diameter, radius) =
-            if tool == self.channel.state.place.tools.current { self.offset_in_force() } else { (None, None) };
+            if tool == self.channel.state.place.tools.current { offset_in_force(&self.channel) } else { (None, None) };
         let name = written(column::NAME).and_then(Value::as_text).map(str::trim).filter(|name| !name.is_empty());
         let name = name.or(facts.map(|facts| facts.name.as_str()).filter(|name| !name.is_empty()));
         let name = name.or_else(|| self.channel.state.others.tools.called.name_of(tool)).unwrap_or_default();
@@ -93,23 +94,20 @@ impl Kernel<'_> {
             place: 0,
         }
     }
+}
 
-    /// Diameter and corner radius by the active offset: the nose radius of a turning tool, or half the diameter of a
-    /// cutter while its path is compensated.
-    fn offset_in_force(&self) -> (Option<f64>, Option<f64>) {
-        let some = |value: f64| Some(value).filter(|value| *value > 0.0);
-        if self.channel.env.machine.tool.offset_digits > 0 {
-            return (
-                None,
-                some(self.channel.offset_radius(Radii::Cutter, self.channel.state.place.in_force.tool_offset)),
-            );
-        }
-        let on = self.channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
-        let number = self.channel.state.remembered.diameter();
-        if !on || number == 0 {
-            return (None, None);
-        }
-        let radius = |table| some(self.channel.offset_radius(table, number));
-        (radius(Radii::Cutter).map(|radius| radius * 2.0), radius(Radii::Corner))
+/// Diameter and corner radius by the active offset: the nose radius of a turning tool, or half the diameter of a
+/// cutter while its path is compensated.
+fn offset_in_force(channel: &Channel<'_>) -> (Option<f64>, Option<f64>) {
+    let some = |value: f64| Some(value).filter(|value| *value > 0.0);
+    if channel.env.machine.tool.offset_digits > 0 {
+        return (None, some(channel.offset_radius(Radii::Cutter, channel.state.place.in_force.tool_offset)));
     }
+    let on = channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
+    let number = channel.state.remembered.diameter();
+    if !on || number == 0 {
+        return (None, None);
+    }
+    let radius = |table| some(channel.offset_radius(table, number));
+    (radius(Radii::Cutter).map(|radius| radius * 2.0), radius(Radii::Corner))
 }

@@ -12,6 +12,7 @@ use counterpoint_motion::arc;
 use counterpoint_motion::space::Circle;
 
 use super::Kernel;
+use crate::state::channel::Channel;
 use crate::state::position::FIRST_AXES;
 
 /// An axis beyond its limits, where it is, and the limits.
@@ -80,36 +81,9 @@ impl Kernel<'_> {
 
     #[inline(always)]
     fn check_limits_of_motion(&mut self, motion: &Motion) {
-        if !self.stays_within_travel(motion) {
+        if !stays_within_travel(&self.channel, motion) {
             self.measure_travel(motion);
         }
-    }
-
-    /// Whether a straight move or a circle in a plane certainly stays within the travel limits; `false` leaves that
-    /// open.
-    #[inline(always)]
-    fn stays_within_travel(&self, motion: &Motion) -> bool {
-        let swing = match motion.kind {
-            MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => 0.0,
-            MotionKind::ArcCw | MotionKind::ArcCcw => {
-                let [first, second] = motion.plane_axes.map(|axis| motion.to.get(usize::from(axis)));
-                let (Some(first), Some(second)) = (first, second) else { return false };
-                // More than four radii: a circle is two radii wide, and a diameter axis counts twice. A radius is at
-                // most the sum of its parts.
-                5.0 * ((first - motion.center[0]).abs() + (second - motion.center[1]).abs())
-            }
-            MotionKind::ArcSpace => return false,
-        };
-        let place = &self.channel.state.place;
-        let (Some(to), Some(shift)) = (motion.to.first_chunk::<FIRST_AXES>(), place.shift.first_chunk::<FIRST_AXES>())
-        else {
-            return false;
-        };
-        let mut within = !self.channel.couples();
-        for ((to, shift), nearness) in to.iter().zip(shift).zip(&place.layout.bounds.nearness) {
-            within &= ((to + shift).abs() + swing) * nearness <= 1.0;
-        }
-        within
     }
 
     #[cold]
@@ -134,9 +108,9 @@ impl Kernel<'_> {
     }
 
     fn leads_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
-        let over = self.beyond(&motion.to, NOISE, limits).or_else(|| match motion.kind {
+        let over = beyond(&self.channel, &motion.to, NOISE, limits).or_else(|| match motion.kind {
             MotionKind::ArcCw | MotionKind::ArcCcw => self.swings_beyond(motion, limits),
-            MotionKind::ArcSpace => self.swings_beyond_in_space(motion, limits),
+            MotionKind::ArcSpace => swings_beyond_in_space(&self.channel, motion, limits),
             MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => None,
         });
         if over.is_none() && self.channel.tip().is_some() { self.follows_beyond(motion, limits) } else { over }
@@ -157,7 +131,7 @@ impl Kernel<'_> {
         };
         let places = (turned * PLACES_PER_DEGREE).clamp(MIN_PLACES, MAX_PLACES).ceil();
         (1..places as u32)
-            .find_map(|at| self.beyond(&place_along(motion, &round, f64::from(at) / places), NOISE, limits))
+            .find_map(|at| beyond(&self.channel, &place_along(motion, &round, f64::from(at) / places), NOISE, limits))
     }
 
     /// Reports a motion that breaks the limit that the program has set.
@@ -197,7 +171,7 @@ impl Kernel<'_> {
 
     /// Reports axes that stand beyond their limits.
     pub(super) fn check_limits_of_axes(&mut self, at: &Position) {
-        let over = self.beyond(at, NOISE, Limits::Travel);
+        let over = beyond(&self.channel, at, NOISE, Limits::Travel);
         self.report_over_travel(over);
     }
 
@@ -205,8 +179,9 @@ impl Kernel<'_> {
     /// radius.
     #[cold]
     pub(crate) fn check_swing(&mut self, to: &Position, axis: AxisSlot, values: [Option<f64>; 2]) -> Acted {
-        if self.channel.state.place.layout.bounds.limited && self.beyond(to, NOISE, Limits::Travel).is_none() {
-            let over = self.turns_beyond(to, axis, values, (NOISE, Limits::Travel));
+        if self.channel.state.place.layout.bounds.limited && beyond(&self.channel, to, NOISE, Limits::Travel).is_none()
+        {
+            let over = turns_beyond(&self.channel, to, axis, values, (NOISE, Limits::Travel));
             self.report_over_travel(over);
             if self.channel.state.place.layout.bounds.stop {
                 return self.channel.check_stop();
@@ -215,60 +190,14 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// The last axis of the channel that is beyond its limits at a place.
-    fn beyond(&self, place: &Position, slack: f64, limits: Limits) -> Option<Over> {
-        let point = match limits {
-            Limits::Travel => self.channel.machine_point(place),
-            Limits::Area => self.channel.basic_point(place)?,
-        };
-        let layout = &self.channel.state.place.layout;
-        layout.axes.entries().rev().find_map(|(slot, axis)| {
-            let at = point.at(slot);
-            let (low, high) = match limits {
-                Limits::Travel => axis.limits?,
-                Limits::Area => self.channel.area_of(slot)?,
-            };
-            (at < low - slack || at > high + slack).then_some((axis.machine, at, [low, high]))
-        })
-    }
-
-    /// The same for places where one axis turns back, in radius values.
-    fn turns_beyond(
-        &self,
-        to: &Position,
-        axis: AxisSlot,
-        values: [Option<f64>; 2],
-        (slack, limits): (f64, Limits),
-    ) -> Option<Over> {
-        let scale = self.channel.state.place.layout.axes[axis].scale;
-        values.into_iter().flatten().find_map(|value| {
-            let mut place = *to;
-            *place.at_mut(axis) = value / scale;
-            self.beyond(&place, slack / scale, limits)
-        })
-    }
-
     /// A circle in a plane. Its end may be off the circle by the tolerance of the machine, so the places between may
     /// be, too.
     fn swings_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
         let (axes, made, scales) = self.round(motion)?;
         let to = [motion.to.at(axes[0]) * scales[0], motion.to.at(axes[1]) * scales[1]];
         let slack = made.end_error(to) + NOISE;
-        (0..)
-            .zip(axes)
-            .find_map(|(side, axis)| self.turns_beyond(&motion.to, axis, made.turning_points(side), (slack, limits)))
-    }
-
-    fn swings_beyond_in_space(&self, motion: &Motion, limits: Limits) -> Option<Over> {
-        let layout = &self.channel.state.place.layout;
-        let scale = |axis: AxisSlot| layout.axes[axis].scale;
-        let point =
-            |place: &Position| layout.cartesian.map(|axis| axis.map_or(0.0, |axis| place.at(axis) * scale(axis)));
-        let circle = Circle::bulging(point(&motion.from), point(&motion.to), motion.center).ok()?;
-        (0..).zip(layout.cartesian).find_map(|(side, axis)| {
-            let values =
-                circle.turning_points(side).map(|share| share.and_then(|share| circle.at(share).get(side).copied()));
-            self.turns_beyond(&motion.to, axis?, values, (NOISE, limits))
+        (0..).zip(axes).find_map(|(side, axis)| {
+            turns_beyond(&self.channel, &motion.to, axis, made.turning_points(side), (slack, limits))
         })
     }
 
@@ -281,4 +210,76 @@ impl Kernel<'_> {
         );
         self.diagnose(&diag::OVER_TRAVEL, text);
     }
+}
+
+/// Whether a straight move or a circle in a plane certainly stays within the travel limits; `false` leaves that
+/// open.
+#[inline(always)]
+fn stays_within_travel(channel: &Channel<'_>, motion: &Motion) -> bool {
+    let swing = match motion.kind {
+        MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => 0.0,
+        MotionKind::ArcCw | MotionKind::ArcCcw => {
+            let [first, second] = motion.plane_axes.map(|axis| motion.to.get(usize::from(axis)));
+            let (Some(first), Some(second)) = (first, second) else { return false };
+            // More than four radii: a circle is two radii wide, and a diameter axis counts twice. A radius is at
+            // most the sum of its parts.
+            5.0 * ((first - motion.center[0]).abs() + (second - motion.center[1]).abs())
+        }
+        MotionKind::ArcSpace => return false,
+    };
+    let place = &channel.state.place;
+    let (Some(to), Some(shift)) = (motion.to.first_chunk::<FIRST_AXES>(), place.shift.first_chunk::<FIRST_AXES>())
+    else {
+        return false;
+    };
+    let mut within = !channel.couples();
+    for ((to, shift), nearness) in to.iter().zip(shift).zip(&place.layout.bounds.nearness) {
+        within &= ((to + shift).abs() + swing) * nearness <= 1.0;
+    }
+    within
+}
+
+/// The last axis of the channel that is beyond its limits at a place.
+fn beyond(channel: &Channel<'_>, place: &Position, slack: f64, limits: Limits) -> Option<Over> {
+    let point = match limits {
+        Limits::Travel => channel.machine_point(place),
+        Limits::Area => channel.basic_point(place)?,
+    };
+    let layout = &channel.state.place.layout;
+    layout.axes.entries().rev().find_map(|(slot, axis)| {
+        let at = point.at(slot);
+        let (low, high) = match limits {
+            Limits::Travel => axis.limits?,
+            Limits::Area => channel.area_of(slot)?,
+        };
+        (at < low - slack || at > high + slack).then_some((axis.machine, at, [low, high]))
+    })
+}
+
+/// The same for places where one axis turns back, in radius values.
+fn turns_beyond(
+    channel: &Channel<'_>,
+    to: &Position,
+    axis: AxisSlot,
+    values: [Option<f64>; 2],
+    (slack, limits): (f64, Limits),
+) -> Option<Over> {
+    let scale = channel.state.place.layout.axes[axis].scale;
+    values.into_iter().flatten().find_map(|value| {
+        let mut place = *to;
+        *place.at_mut(axis) = value / scale;
+        beyond(channel, &place, slack / scale, limits)
+    })
+}
+
+fn swings_beyond_in_space(channel: &Channel<'_>, motion: &Motion, limits: Limits) -> Option<Over> {
+    let layout = &channel.state.place.layout;
+    let scale = |axis: AxisSlot| layout.axes[axis].scale;
+    let point = |place: &Position| layout.cartesian.map(|axis| axis.map_or(0.0, |axis| place.at(axis) * scale(axis)));
+    let circle = Circle::bulging(point(&motion.from), point(&motion.to), motion.center).ok()?;
+    (0..).zip(layout.cartesian).find_map(|(side, axis)| {
+        let values =
+            circle.turning_points(side).map(|share| share.and_then(|share| circle.at(share).get(side).copied()));
+        turns_beyond(channel, &motion.to, axis?, values, (NOISE, limits))
+    })
 }

@@ -7,6 +7,7 @@
 
 use super::Kernel;
 use super::letter_zero::letter_for_zero;
+use crate::state::channel::Channel;
 use counterpoint_dialect::Unknown;
 use counterpoint_fault::Acted;
 use counterpoint_fault::{self as diag, Facts};
@@ -73,7 +74,7 @@ impl Kernel<'_> {
     /// The unrecognised parts of the block, in their order.
     fn unknown_parts(&mut self) -> Vec<String> {
         self.left_name();
-        let name = self.channel.block.name().filter(|_| self.calls_by_name());
+        let name = self.channel.block.name().filter(|_| calls_by_name(&self.channel));
         let line = self.text_bytes();
         let spans = self.channel.block.unrecognised.iter().filter(|span| Some(**span) != name);
         let text = |&(start, end): &(u32, u32)| {
@@ -108,12 +109,6 @@ impl Kernel<'_> {
         self.channel.reports.alarms.stopping = stopping;
     }
 
-    /// Whether a code of the block takes a program name.
-    fn calls_by_name(&self) -> bool {
-        let mut rows = self.channel.block.pending.iter().map(|pending| &self.channel.env.machine.codes[pending.row]);
-        rows.any(|row| row.id == codes::CALSUB_ID)
-    }
-
     /// Whether this is a word of a letter with which codes are written.
     fn is_code_word(&self, text: &str) -> bool {
         let letter = text.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
@@ -141,7 +136,7 @@ impl Kernel<'_> {
             return (&diag::UNKNOWN_CODE, why);
         }
         let kind = match () {
-            () if self.is_word_like(&text) => Unknown::Word,
+            () if is_word_like(&text) => Unknown::Word,
             () if self.is_letter(&text) => Unknown::Address,
             () => Unknown::Text,
         };
@@ -169,12 +164,6 @@ impl Kernel<'_> {
             [letter] => self.plan.scanner.register(*letter).is_some(),
             _ => false,
         }
-    }
-
-    /// A letter and a number.
-    fn is_word_like(&self, text: &str) -> bool {
-        let rest = text.strip_prefix(|c: char| c.is_ascii_alphabetic()).map(str::trim_start);
-        rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+')))
     }
 
     /// The emulated system lets the active motion code have the words of a block whose code it does not know. That is
@@ -229,4 +218,16 @@ pub(super) fn shortened(text: &str) -> String {
         return text.to_owned();
     }
     text.chars().take(MOST - 3).chain("...".chars()).collect()
+}
+
+/// Whether a code of the block takes a program name.
+fn calls_by_name(channel: &Channel<'_>) -> bool {
+    let mut rows = channel.block.pending.iter().map(|pending| &channel.env.machine.codes[pending.row]);
+    rows.any(|row| row.id == codes::CALSUB_ID)
+}
+
+/// A letter and a number.
+fn is_word_like(text: &str) -> bool {
+    let rest = text.strip_prefix(|c: char| c.is_ascii_alphabetic()).map(str::trim_start);
+    rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+')))
 }

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
+use crate::state::channel::Channel;
 use counterpoint_event::event::{Kind, Primitive, Release, Verdict, Wait};
 use counterpoint_fault as diag;
 use counterpoint_ports::control::State;
@@ -254,12 +255,6 @@ impl Kernel<'_> {
             (after, None) => follow(self, after, &logged),
         }
     }
-
-    /// When a channel continues that is released at a time, but no earlier than it has come to rest.
-    fn at_rest_after(&self, (t, micro): (i64, u32)) -> (i64, u32) {
-        let at = &self.channel.at;
-        if t < at.clock { (at.clock, at.micro) } else { (t, micro) }
-    }
 }
 
 /// Arrives, and waits until the others are there.
@@ -367,7 +362,7 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
             Ok(())
         }
         Wake::Alarm { tag, text } => {
-            (kernel.channel.at.clock, kernel.channel.at.micro) = kernel.at_rest_after((tag.t, tag.micro));
+            (kernel.channel.at.clock, kernel.channel.at.micro) = at_rest_after(&kernel.channel, (tag.t, tag.micro));
             Err(kernel.fatal(&diag::WAIT_MISMATCH, text))
         }
         Wake::Over if kernel.ports.control.cancelled() => Err(Halt::Stopped),
@@ -392,7 +387,7 @@ fn stand(kernel: &mut Kernel<'_>, verdict: Option<Verdict>, logged: &Logged) -> 
 
 /// Continues after a sync point.
 fn go_on(kernel: &mut Kernel<'_>, released: (i64, u32), release: Release) {
-    let (t, micro) = kernel.at_rest_after(released);
+    let (t, micro) = at_rest_after(&kernel.channel, released);
     if t > kernel.channel.at.clock {
         kernel.channel.at.timed = kernel.channel.at.user_place();
         kernel.channel.at.idle_blocks = 0;
@@ -419,4 +414,10 @@ fn report_short(kernel: &mut Kernel<'_>, short: Option<Short>) {
 fn show(kernel: &mut Kernel<'_>, wait: &wait::Wait, what: &str) {
     let text = kernel.channel.reports.waits.rules.text(wait);
     kernel.emit(0, Kind::mode(format!("sync mark={text} {what}")));
+}
+
+/// When a channel continues that is released at a time, but no earlier than it has come to rest.
+fn at_rest_after(channel: &Channel<'_>, (t, micro): (i64, u32)) -> (i64, u32) {
+    let at = &channel.at;
+    if t < at.clock { (at.clock, at.micro) } else { (t, micro) }
 }

@@ -10,7 +10,9 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Edited;
+use crate::host::block;
 use crate::macros::calls::Task;
+use crate::pipeline::edit;
 use crate::trace::{self, Stage};
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::data;
@@ -76,10 +78,10 @@ impl Kernel<'_> {
 
     /// Keeps the level of the first mark of block skip, on machines that have a row for it.
     fn note_mark(&mut self) {
-        if !self.knows_data(data::OPSKIP) {
+        if !block::knows_data(self.channel.env.machine, data::OPSKIP) {
             return;
         }
-        let absent = |mark: u8| self.macros.block.text.is_none() && self.is_line_without(mark);
+        let absent = |mark: u8| self.macros.block.text.is_none() && edit::is_line_without(&self.channel, mark);
         if self.plan.scanner.skip_mark().is_none_or(absent) {
             self.macros.block.mark = None;
             return;

@@ -4,15 +4,18 @@
 //! as acting (and modal) before its macro runs; codes that macros add act in this block, by their order.
 
 use counterpoint_lang::value::Value;
+use counterpoint_machine::Machine;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::index::{DataMacroId, RegisterId};
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
 use crate::channel::plan::{NEEDED, RECALLED};
+use crate::host::block;
 use crate::macros::calls::Task;
 use crate::macros::context::Withheld;
 use crate::macros::values::{code_value, data_value};
+use crate::pipeline::codes::data_of_code;
 use crate::state::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -168,16 +171,8 @@ impl Kernel<'_> {
             let machine = self.channel.env.machine;
             return self.perform(&machine.codes[pending.row], pending);
         };
-        let mut arguments = [code_value(Some(id)), self.value_of_code(pending)];
+        let mut arguments = [code_value(Some(id)), value_of_code(self.channel.env.machine, pending)];
         self.run_macro(code, Task::Code(pending, id), &mut arguments).map(|_| ())
-    }
-
-    /// `$P2` of a code macro.
-    fn value_of_code(&self, pending: PendingCode) -> Value {
-        match &self.channel.env.machine.codes[pending.row].form {
-            CodeForm::Text(text) => Value::text(text.as_str()),
-            _ => Value::Real(self.code_number(pending)),
-        }
     }
 
     /// OUTPUT of a code macro: the code that `$P1` holds now continues to the next macro or to its action.
@@ -200,7 +195,7 @@ impl Kernel<'_> {
             return Ok(());
         };
         let machine = self.channel.env.machine;
-        let own = self.data_of_code(&machine.codes[pending.row], pending);
+        let own = data_of_code(self.channel.env.machine, &machine.codes[pending.row], pending);
         let pending = PendingCode { row, ..pending };
         self.channel.acting.as_data = own;
         if target != id {
@@ -377,5 +372,13 @@ impl Kernel<'_> {
             Some(code) => self.run_macro(code, Task::None, &mut []).map(|_| ()),
             None => Ok(()),
         }
+    }
+}
+
+/// `$P2` of a code macro.
+fn value_of_code(machine: &Machine, pending: PendingCode) -> Value {
+    match &machine.codes[pending.row].form {
+        CodeForm::Text(text) => Value::text(text.as_str()),
+        _ => Value::Real(block::code_number(machine, pending)),
     }
 }

@@ -7,6 +7,7 @@ use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use crate::channel::Kernel;
+use crate::pipeline::edit;
 use crate::trace::{self, Stage};
 use counterpoint_event::info::cut;
 use counterpoint_fault as diag;
@@ -53,7 +54,7 @@ impl Kernel<'_> {
         let runtime = &*self.macros;
         let open = runtime.variables.store.embedding.get(kind).map_or("", String::as_str);
         let Some(&first) = open.as_bytes().first() else { return false };
-        let absent = runtime.block.text.is_none() && self.is_line_without(first);
+        let absent = runtime.block.text.is_none() && edit::is_line_without(&self.channel, first);
         !absent && contains(&self.text_bytes(), open.as_bytes())
     }
 

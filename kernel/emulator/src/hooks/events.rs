@@ -10,6 +10,7 @@ use crate::channel::Kernel;
 use crate::macros::calls::Task;
 use crate::macros::store::column;
 use crate::macros::store::names;
+use crate::state::channel::Channel;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use counterpoint_fault as diag;
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -42,7 +43,7 @@ impl Kernel<'_> {
             arguments[6] = plane;
         }
         if motion.kind == MotionKind::ArcSpace {
-            let [center, normal, middle] = self.loop_in_space(motion);
+            let [center, normal, middle] = loop_in_space(&self.channel, motion);
             (arguments[2], arguments[3], arguments[4]) = (center, normal, middle);
             (arguments[5], arguments[6]) = (Value::Real(2.0), Value::Real(0.0));
         }
@@ -102,24 +103,6 @@ impl Kernel<'_> {
             _ => ([1.0, 0.0, 0.0], 3.0),
         };
         [Value::numbers(&center), Value::numbers(&normal), Value::Real(plane)]
-    }
-
-    /// Centre, normal and middle of a circle in space, which is counter-clockwise about its normal.
-    fn loop_in_space(&self, motion: &Motion) -> [Value; 3] {
-        let axes =
-            self.channel.env.info.channel(self.channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
-        let Some(space) = Loop::of(motion, axes) else { return std::array::from_fn(|_| Value::Null) };
-        let programmed = |point: [f64; 3]| {
-            let mut values = [0.0; 3];
-            for (axis, value) in space.seen.values(point) {
-                let slot = space.seen.coordinate(axis).and_then(|side| values.get_mut(side));
-                if let Some((slot, axis)) = slot.zip(self.channel.state.place.layout.axes.id(axis)) {
-                    *slot = value + self.channel.state.place.preset.at(axis);
-                }
-            }
-            Value::numbers(&values)
-        };
-        [programmed(space.circle.center), Value::numbers(&space.circle.normal), programmed(space.circle.at(0.5))]
     }
 
     /// OUTPUT of the motion macro.
@@ -277,4 +260,21 @@ impl Kernel<'_> {
         self.channel.advance(ns);
         Ok(())
     }
+}
+
+/// Centre, normal and middle of a circle in space, which is counter-clockwise about its normal.
+fn loop_in_space(channel: &Channel<'_>, motion: &Motion) -> [Value; 3] {
+    let axes = channel.env.info.channel(channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
+    let Some(space) = Loop::of(motion, axes) else { return std::array::from_fn(|_| Value::Null) };
+    let programmed = |point: [f64; 3]| {
+        let mut values = [0.0; 3];
+        for (axis, value) in space.seen.values(point) {
+            let slot = space.seen.coordinate(axis).and_then(|side| values.get_mut(side));
+            if let Some((slot, axis)) = slot.zip(channel.state.place.layout.axes.id(axis)) {
+                *slot = value + channel.state.place.preset.at(axis);
+            }
+        }
+        Value::numbers(&values)
+    };
+    [programmed(space.circle.center), Value::numbers(&space.circle.normal), programmed(space.circle.at(0.5))]
 }

@@ -10,6 +10,7 @@ use counterpoint_lang::value::Value;
 use crate::channel::Kernel;
 use crate::channel::flow::Pending;
 use crate::channel::hook_points::Origin;
+use crate::host::block;
 use crate::macros::context::BlockContext;
 use crate::macros::issued::Later;
 use crate::state::burden;
@@ -125,7 +126,9 @@ impl Kernel<'_> {
                 }
             } else if let Some(id) = self.data_id(item) {
                 match items.next().and_then(Value::as_real) {
-                    Some(value) if self.knows_data(id) => self.channel.block.added.push((id, value)),
+                    Some(value) if block::knows_data(self.channel.env.machine, id) => {
+                        self.channel.block.added.push((id, value))
+                    }
                     Some(_) => {
                         let text = format!("this machine has no word for {}", self.channel.env.machine.data_name(id));
                         self.diagnose(&diag::DATA_MISSING, text);

@@ -12,6 +12,8 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, State};
 
 use crate::channel::Kernel;
+use crate::host::travel;
+use crate::host::variables::positions;
 use crate::macros::calls::{Task, unwinding};
 use crate::macros::runtime::Runtime;
 use crate::macros::store::names;
@@ -46,8 +48,8 @@ impl Kernel<'_> {
         // A composite has a master also for one channel.
         let kernels = self.channel.env.machine.channels.len() + usize::from(self.components.is_composite());
         let mut runtime = Runtime::new(macros, program, self.channel.kernel_number(), (kernels, memory));
-        runtime.arguments.slots = self.six_axes();
-        runtime.books.columns = self.travel_columns();
+        runtime.arguments.slots = positions::six_axes(&self.channel.state.place);
+        runtime.books.columns = travel::travel_columns(&self.channel);
         let (extension, store) =
             (self.channel.env.machine.subprograms.extension.as_str(), &mut runtime.variables.store);
         store.set(names().extension, Value::text(extension));

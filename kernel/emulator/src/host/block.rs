@@ -8,8 +8,10 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::ident;
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::State;
+use counterpoint_machine::Machine;
 
 use crate::channel::Kernel;
+use crate::channel::data;
 use crate::macros::values::code_value;
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::CodeRowId;
@@ -52,16 +54,11 @@ impl Kernel<'_> {
             return Ok(Value::Logical(self.code_id(item).is_some_and(|id| self.add_code(id, value))));
         }
         let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
-        let known = self.data_id(item).filter(|id| self.knows_data(*id));
+        let known = self.data_id(item).filter(|id| knows_data(self.channel.env.machine, *id));
         if let Some(id) = known {
             self.channel.block.added.push((id, value));
         }
         Ok(Value::Logical(known.is_some()))
-    }
-
-    /// Whether some row of the machine has this data.
-    pub(crate) fn knows_data(&self, id: DataId) -> bool {
-        !self.channel.env.machine.tables.data(id).is_empty()
     }
 
     /// Inserts a code by its order among those that have not acted yet.
@@ -89,15 +86,6 @@ impl Kernel<'_> {
         self.channel.env.machine.codes[row].id
     }
 
-    /// Value of a code as macros see it: of its word with the factor of its row, 0 for a literal text.
-    pub(crate) fn code_number(&self, pending: PendingCode) -> f64 {
-        let row = &self.channel.env.machine.codes[pending.row];
-        match row.form {
-            CodeForm::Register { .. } | CodeForm::RegisterAsData { .. } => pending.value * row.mul + row.add,
-            _ => pending.value,
-        }
-    }
-
     /// Whether a code that acts now or will act is in the block.
     pub(crate) fn has_code(&self, id: CodeId) -> bool {
         self.waiting_code(id).is_some()
@@ -117,7 +105,7 @@ impl Kernel<'_> {
         match self.named_item(arguments)? {
             Some(Item::Code(id)) => {
                 let pending = self.waiting_code(id).map(|at| self.channel.block.pending.remove(at));
-                Ok(pending.map_or(Value::Null, |pending| Value::Real(self.code_number(pending))))
+                Ok(pending.map_or(Value::Null, |pending| Value::Real(code_number(self.channel.env.machine, pending))))
             }
             Some(Item::Data(id)) => {
                 let mut value = None;
@@ -148,7 +136,9 @@ impl Kernel<'_> {
             Some(Item::Data(id)) => id,
             Some(Item::Code(id)) => {
                 let found = self.waiting_code(id).and_then(|at| self.channel.block.pending.get(at).copied());
-                return Ok(found.map_or(Value::Null, |pending| Value::Real(self.code_number(pending))));
+                return Ok(
+                    found.map_or(Value::Null, |pending| Value::Real(code_number(self.channel.env.machine, pending)))
+                );
             }
             None => return Ok(Value::Null),
         };
@@ -176,7 +166,7 @@ impl Kernel<'_> {
     /// Value of data of this block, before any change of units.
     fn data_on_block(&self, id: DataId) -> Option<f64> {
         if let Some(handed) = self.channel.acting.as_data.filter(|handed| handed.id == id) {
-            return Some(self.handed_value(handed));
+            return Some(data::handed_value(self.channel.env.machine, handed));
         }
         let plan = self.plan;
         for source in plan.sources_of(id) {
@@ -202,7 +192,10 @@ impl Kernel<'_> {
 
     /// `$FCEDAC`: data that fire the modal code of a group, or no longer.
     pub(crate) fn data_as_code(&mut self, arguments: &[Value]) -> Value {
-        let id = arguments.first().and_then(|item| self.data_id(item)).filter(|id| self.knows_data(*id));
+        let id = arguments
+            .first()
+            .and_then(|item| self.data_id(item))
+            .filter(|id| knows_data(self.channel.env.machine, *id));
         let group = arguments.get(1).and_then(Value::as_real).unwrap_or(-1.0);
         let Some(id) = id else { return Value::Logical(false) };
         let modes = &mut self.macros.modes;
@@ -214,5 +207,19 @@ impl Kernel<'_> {
             modes.data_codes.push((id, group as u16));
         }
         Value::Logical(true)
+    }
+}
+
+/// Whether some row of the machine has this data.
+pub(crate) fn knows_data(machine: &Machine, id: DataId) -> bool {
+    !machine.tables.data(id).is_empty()
+}
+
+/// Value of a code as macros see it: of its word with the factor of its row, 0 for a literal text.
+pub(crate) fn code_number(machine: &Machine, pending: PendingCode) -> f64 {
+    let row = &machine.codes[pending.row];
+    match row.form {
+        CodeForm::Register { .. } | CodeForm::RegisterAsData { .. } => pending.value * row.mul + row.add,
+        _ => pending.value,
     }
 }

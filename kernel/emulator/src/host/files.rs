@@ -8,6 +8,7 @@ use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, FileFn, Files, Folder, NOT_FOUND, Shelf, stored};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, State};
+use counterpoint_machine::Machine;
 
 use crate::channel::Kernel;
 use crate::channel::access::Door;
@@ -47,11 +48,6 @@ impl Kernel<'_> {
         self.macros.calls.put_state(state);
     }
 
-    /// A file stored with the machine.
-    fn stored_file(&self, path: &str) -> Option<&Bytes> {
-        StoredFile::find(&self.channel.env.machine.storage, &path.replace('\\', "/"))
-    }
-
     /// Works on the files that macros have written, in its turn.
     pub(crate) fn job_files<R>(&mut self, mode: Mode, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
         self.access(Door::File, mode, |shared| work(&mut shared.files)).map_err(|halt| {
@@ -82,7 +78,9 @@ impl Files for Kernel<'_> {
 impl Shelf for Kernel<'_> {
     fn read(&mut self, path: &str) -> Result<String, i32> {
         if stored(path) {
-            return self.stored_file(path).map(|text| String::from_utf8_lossy(text).into_owned()).ok_or(NOT_FOUND);
+            return stored_file(self.channel.env.machine, path)
+                .map(|text| String::from_utf8_lossy(text).into_owned())
+                .ok_or(NOT_FOUND);
         }
         match self.job_files(Mode::Read, |written| written.get(path))? {
             Some(text) => text.map(|text| (*text).to_owned()).ok_or(NOT_FOUND),
@@ -121,7 +119,9 @@ impl Shelf for Kernel<'_> {
 
     fn facts(&mut self, path: &str) -> Result<Facts, i32> {
         if stored(path) {
-            return self.stored_file(path).map(|text| Facts::file(text.len(), true)).ok_or(NOT_FOUND);
+            return stored_file(self.channel.env.machine, path)
+                .map(|text| Facts::file(text.len(), true))
+                .ok_or(NOT_FOUND);
         }
         let (text, folder) = self.job_files(Mode::Read, |written| (written.get(path), written.has_folder(path)))?;
         let size = match text {
@@ -144,4 +144,9 @@ impl Shelf for Kernel<'_> {
         let tag = self.tag();
         self.ports.coordinator.unordered(|order| order.shared.files.leave(tag, path, None));
     }
+}
+
+/// A file stored with the machine.
+fn stored_file<'m>(machine: &'m Machine, path: &str) -> Option<&'m Bytes> {
+    StoredFile::find(&machine.storage, &path.replace('\\', "/"))
 }

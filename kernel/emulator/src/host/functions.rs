@@ -10,11 +10,15 @@ use counterpoint_lang::host::{AbsentFn, HostFn, macro_states};
 use counterpoint_lang::pattern::STEPS;
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
+use counterpoint_machine::Machine;
 
 use super::rotary::only_axes;
 use crate::channel::Kernel;
+use crate::host::kinematics;
+use crate::host::variables::offsets;
 use crate::macros::parts::Restart;
 use crate::macros::store::names;
+use crate::state::channel::Channel;
 use crate::state::frames::offsets::{Radii, Table};
 use counterpoint_event::event::FileId;
 use counterpoint_machine::index::RegisterId;
@@ -42,9 +46,9 @@ impl Kernel<'_> {
             HostFn::DiagnosticText => self.text_of(arguments),
             HostFn::MacroNames => self.macro_ids(state, arguments)?,
             HostFn::MacroStates => macro_states(arguments, |id, on| self.switch_macro(id, on)),
-            HostFn::RegisterFormat => Value::text(self.register_format(arguments)),
+            HostFn::RegisterFormat => Value::text(register_format(&self.channel, arguments)),
             HostFn::RegisterPosition => {
-                let register = self.register_at(arguments.first());
+                let register = register_at(self.channel.env.machine, arguments.first());
                 let index = register.map(|register| self.channel.env.machine.registers[register].index);
                 index.map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
             }
@@ -63,17 +67,17 @@ impl Kernel<'_> {
             HostFn::MachineFrame => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
             HostFn::Restart => self.restart_with(state, arguments)?,
             HostFn::Dialog => self.show_dialog(state, text(arguments, 0))?,
-            HostFn::ForwardKinematics => self.forward(arguments)?,
-            HostFn::InverseKinematics => self.backward(arguments)?,
-            HostFn::ConfigureKinematics => self.configure(only_axes(arguments)?),
-            HostFn::SelectRotaryAxes => self.choose_rotary(only_axes(arguments)?),
+            HostFn::ForwardKinematics => kinematics::forward(&self.channel, arguments)?,
+            HostFn::InverseKinematics => kinematics::backward(&self.channel, arguments)?,
+            HostFn::ConfigureKinematics => kinematics::configure(&mut self.channel, only_axes(arguments)?),
+            HostFn::SelectRotaryAxes => kinematics::choose_rotary(&mut self.channel, only_axes(arguments)?),
             HostFn::Unwind => self.unwind_named(only_axes(arguments)?),
-            HostFn::CutterDiameter => self.read_radius(Radii::Cutter, arguments)?,
-            HostFn::CornerRadius => self.read_radius(Radii::Corner, arguments)?,
-            HostFn::LengthOffset => self.read_offset(Table::Length, arguments)?,
-            HostFn::WorkOffset => self.read_offset(Table::Work, arguments)?,
-            HostFn::SetCutterDiameter => self.write_radius(Radii::Cutter, arguments)?,
-            HostFn::SetCornerRadius => self.write_radius(Radii::Corner, arguments)?,
+            HostFn::CutterDiameter => offsets::read_radius(&self.channel, Radii::Cutter, arguments)?,
+            HostFn::CornerRadius => offsets::read_radius(&self.channel, Radii::Corner, arguments)?,
+            HostFn::LengthOffset => offsets::read_offset(&self.channel, Table::Length, arguments)?,
+            HostFn::WorkOffset => offsets::read_offset(&self.channel, Table::Work, arguments)?,
+            HostFn::SetCutterDiameter => offsets::write_radius(&mut self.channel, Radii::Cutter, arguments)?,
+            HostFn::SetCornerRadius => offsets::write_radius(&mut self.channel, Radii::Corner, arguments)?,
             HostFn::SetLengthOffset => self.write_offset(Table::Length, arguments)?,
             HostFn::SetWorkOffset => self.write_offset(Table::Work, arguments)?,
             HostFn::LocalFrame => self.give_frame(arguments)?,
@@ -190,55 +194,6 @@ impl Kernel<'_> {
         Some(before)
     }
 
-    /// Register by its number in the list, or by the start of its descriptor.
-    fn register_at(&self, value: Option<&Value>) -> Option<RegisterId> {
-        let registers = &self.channel.env.machine.registers;
-        match value? {
-            Value::Real(index) => registers.find(|register| f64::from(register.index) == *index),
-            Value::Text(text) => {
-                let text = text.trim();
-                let exact = registers.find(|register| register.name == text);
-                let described = |register: &MachineRegister| {
-                    let format = descriptor(&register.format);
-                    format!("{}{}", register.name, format.trim_matches(['!', '(', ')'])).starts_with(text)
-                };
-                exact.or_else(|| registers.find(|register| !text.is_empty() && described(register)))
-            }
-            _ => None,
-        }
-    }
-
-    fn register_format(&self, arguments: &[Value]) -> String {
-        match self.register_at(arguments.first()).map(|at| &self.channel.env.machine.registers[at]) {
-            Some(register) => {
-                descriptor(if self.channel.state.secondary { &register.secondary } else { &register.format })
-            }
-            None => String::new(),
-        }
-    }
-
-    /// A register as text: `!(@n)`, `!(@X)` and their kind.
-    pub(crate) fn register_word(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
-        let at = match register {
-            Register::Letter(letter) => self.register_at(Some(&Value::text(letter.to_string()))),
-            Register::Index(index) => self.register_at(Some(&Value::Real(f64::from(index)))),
-        }?;
-        let register = &self.channel.env.machine.registers[at];
-        let value = match value {
-            Some(value) => value,
-            None => {
-                let rows = self.channel.env.machine.tables.data_of(at);
-                let ids = rows.iter().map(|&row| &self.channel.env.machine.data[row]);
-                let mut known = ids.filter_map(|row| self.channel.state.remembered.value(row.id));
-                known.next().unwrap_or(0.0)
-            }
-        };
-        let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
-        let mut out = if word { register.name.clone() } else { String::new() };
-        numeric(format).write(&mut out, value);
-        Some(out)
-    }
-
     /// `$FCEGNCV`
     fn nc_variable(&mut self, arguments: &[Value]) -> Value {
         let name = text(arguments, 0).trim().to_owned();
@@ -319,4 +274,56 @@ fn descriptor(format: &NumberFormat) -> String {
     let plus = if format.plus { "+" } else { "" };
     let (whole, frac) = (wildcard_text(f64::from(format.whole)), wildcard_text(f64::from(format.frac)));
     format!("!({plus}{}{whole}{point}{frac}{})", zeros(format.lead), zeros(format.trail))
+}
+
+/// Register by its number in the list, or by the start of its descriptor.
+fn register_at(machine: &Machine, value: Option<&Value>) -> Option<RegisterId> {
+    let registers = &machine.registers;
+    match value? {
+        Value::Real(index) => registers.find(|register| f64::from(register.index) == *index),
+        Value::Text(text) => {
+            let text = text.trim();
+            let exact = registers.find(|register| register.name == text);
+            let described = |register: &MachineRegister| {
+                let format = descriptor(&register.format);
+                format!("{}{}", register.name, format.trim_matches(['!', '(', ')'])).starts_with(text)
+            };
+            exact.or_else(|| registers.find(|register| !text.is_empty() && described(register)))
+        }
+        _ => None,
+    }
+}
+
+fn register_format(channel: &Channel<'_>, arguments: &[Value]) -> String {
+    match register_at(channel.env.machine, arguments.first()).map(|at| &channel.env.machine.registers[at]) {
+        Some(register) => descriptor(if channel.state.secondary { &register.secondary } else { &register.format }),
+        None => String::new(),
+    }
+}
+
+/// A register as text: `!(@n)`, `!(@X)` and their kind.
+pub(crate) fn register_word(
+    channel: &mut Channel<'_>,
+    register: Register,
+    value: Option<f64>,
+    word: bool,
+) -> Option<String> {
+    let at = match register {
+        Register::Letter(letter) => register_at(channel.env.machine, Some(&Value::text(letter.to_string()))),
+        Register::Index(index) => register_at(channel.env.machine, Some(&Value::Real(f64::from(index)))),
+    }?;
+    let register = &channel.env.machine.registers[at];
+    let value = match value {
+        Some(value) => value,
+        None => {
+            let rows = channel.env.machine.tables.data_of(at);
+            let ids = rows.iter().map(|&row| &channel.env.machine.data[row]);
+            let mut known = ids.filter_map(|row| channel.state.remembered.value(row.id));
+            known.next().unwrap_or(0.0)
+        }
+    };
+    let format = if channel.state.secondary { &register.secondary } else { &register.format };
+    let mut out = if word { register.name.clone() } else { String::new() };
+    numeric(format).write(&mut out, value);
+    Some(out)
 }

@@ -8,6 +8,7 @@ use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
+use crate::host::variables::positions;
 use crate::macros::books::operations::Operation;
 use crate::macros::store::names;
 use crate::state::modal::group;
@@ -52,7 +53,8 @@ impl Kernel<'_> {
             return;
         }
         let lathe = self.channel.env.machine.tool.offset_digits > 0;
-        let moves = |letter: char| self.axis_of(letter).is_some_and(|axis| moving & axis.bit() != 0);
+        let moves =
+            |letter: char| positions::axis_of(&self.channel, letter).is_some_and(|axis| moving & axis.bit() != 0);
         // A lathe's tool word shifts X, Y and Z, a mill's length offset Z.
         let compensated = moves('Z') || lathe && (moves('X') || moves('Y'));
         let length = if lathe {

@@ -7,6 +7,7 @@ use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
+use crate::state::channel::Channel;
 use crate::state::clamps::Modulo;
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::AxisSlot;
@@ -36,53 +37,11 @@ pub(crate) fn only_axes(arguments: &[Value]) -> Outcome<&[Value]> {
 }
 
 impl Kernel<'_> {
-    /// The axis that the arguments from `at` on name, and how many of them do; none for anything else.
-    pub(crate) fn named_axis(&self, arguments: &[Value], at: usize) -> Option<(Named, usize)> {
-        let found = |ids: &[DataId]| {
-            ids.iter().find_map(|id| self.channel.axis_of_data(*id)).map_or(Named::Missing, Named::Axis)
-        };
-        let first = arguments.get(at)?;
-        if let Value::Real(number) = first {
-            let ids: &[DataId] = match *number {
-                0.0 => return Some((Named::Tool, 1)),
-                7.0 => &[data::AXIS_AT],
-                8.0 => &[data::AXIS_BT],
-                9.0 => &[data::AXIS_CT, data::AXIS_CT2],
-                10.0 => &[data::AXIS_AH],
-                11.0 => &[data::AXIS_BH],
-                12.0 => &[data::AXIS_CH],
-                14.0 => &[data::AXIS_N],
-                15.0 => &[data::AXIS_N2],
-                _ => return None,
-            };
-            return Some((found(ids), 1));
-        }
-        if is(Some(first), "TOOL") {
-            return Some((Named::Tool, 1));
-        }
-        let second = arguments.get(at + 1);
-        if is(Some(first), "RAM") {
-            let ids: &[DataId] = match second {
-                Some(Value::Real(1.0)) => &[data::AXIS_N],
-                Some(Value::Real(2.0)) => &[data::AXIS_N2],
-                _ => return None,
-            };
-            return Some((found(ids), 2));
-        }
-        let (table, head) = match ["AAXIS", "BAXIS", "CAXIS"].iter().position(|word| is(Some(first), word))? {
-            0 => (data::AXIS_AT, data::AXIS_AH),
-            1 => (data::AXIS_BT, data::AXIS_BH),
-            _ => (data::AXIS_CT, data::AXIS_CH),
-        };
-        // Without TABLE it is the axis of the head; a machine without one can only mean its table.
-        Some(if is(second, "TABLE") { (found(&[table]), 2) } else { (found(&[head, table]), 1) })
-    }
-
     /// `$FUNWIND`: 1 if every axis that is named is a rotary one of the channel.
     pub(crate) fn unwind_named(&mut self, arguments: &[Value]) -> Value {
         let (mut at, mut done) = (0, true);
         while at < arguments.len() {
-            let Some((named, count)) = self.named_axis(arguments, at) else { return Value::Real(0.0) };
+            let Some((named, count)) = named_axis(&self.channel, arguments, at) else { return Value::Real(0.0) };
             at += count;
             let words = [("NORMAL", Modulo::Normal), ("PLUS", Modulo::Plus), ("MINUS", Modulo::Minus)];
             let given = words.iter().find(|(word, _)| is(arguments.get(at), word)).map(|(_, modulo)| *modulo);
@@ -96,4 +55,45 @@ impl Kernel<'_> {
         }
         Value::Real(f64::from(u8::from(done)))
     }
+}
+
+/// The axis that the arguments from `at` on name, and how many of them do; none for anything else.
+pub(crate) fn named_axis(channel: &Channel<'_>, arguments: &[Value], at: usize) -> Option<(Named, usize)> {
+    let found =
+        |ids: &[DataId]| ids.iter().find_map(|id| channel.axis_of_data(*id)).map_or(Named::Missing, Named::Axis);
+    let first = arguments.get(at)?;
+    if let Value::Real(number) = first {
+        let ids: &[DataId] = match *number {
+            0.0 => return Some((Named::Tool, 1)),
+            7.0 => &[data::AXIS_AT],
+            8.0 => &[data::AXIS_BT],
+            9.0 => &[data::AXIS_CT, data::AXIS_CT2],
+            10.0 => &[data::AXIS_AH],
+            11.0 => &[data::AXIS_BH],
+            12.0 => &[data::AXIS_CH],
+            14.0 => &[data::AXIS_N],
+            15.0 => &[data::AXIS_N2],
+            _ => return None,
+        };
+        return Some((found(ids), 1));
+    }
+    if is(Some(first), "TOOL") {
+        return Some((Named::Tool, 1));
+    }
+    let second = arguments.get(at + 1);
+    if is(Some(first), "RAM") {
+        let ids: &[DataId] = match second {
+            Some(Value::Real(1.0)) => &[data::AXIS_N],
+            Some(Value::Real(2.0)) => &[data::AXIS_N2],
+            _ => return None,
+        };
+        return Some((found(ids), 2));
+    }
+    let (table, head) = match ["AAXIS", "BAXIS", "CAXIS"].iter().position(|word| is(Some(first), word))? {
+        0 => (data::AXIS_AT, data::AXIS_AH),
+        1 => (data::AXIS_BT, data::AXIS_BH),
+        _ => (data::AXIS_CT, data::AXIS_CH),
+    };
+    // Without TABLE it is the axis of the head; a machine without one can only mean its table.
+    Some(if is(second, "TABLE") { (found(&[table]), 2) } else { (found(&[head, table]), 1) })
 }

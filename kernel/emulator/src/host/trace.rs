@@ -6,6 +6,7 @@
 
 use counterpoint_lang::host::Step;
 use counterpoint_lang::value::Value;
+use counterpoint_machine::Machine;
 
 use crate::channel::Kernel;
 use crate::trace;
@@ -16,16 +17,23 @@ impl Kernel<'_> {
     /// A macro of the machine begins.
     #[cold]
     pub(crate) fn trace_entering(&mut self, code: u16, selects: bool) {
-        self.trace(self.macro_letter(code), |kernel| {
-            trace::entering(kernel.macro_name(code, selects), &kernel.matching_list(code))
+        self.trace(macro_letter(self.channel.env.machine, code), |kernel| {
+            trace::entering(
+                macro_name(kernel.channel.env.machine, code, selects),
+                &matching_list(kernel.channel.env.machine, code),
+            )
         });
     }
 
     /// A macro of the machine has ended.
     #[cold]
     pub(crate) fn trace_leaving(&mut self, code: u16, selects: bool) {
-        self.trace(self.macro_letter(code), |kernel| {
-            trace::leaving(kernel.macro_name(code, selects), &kernel.matching_list(code), kernel.running_name())
+        self.trace(macro_letter(self.channel.env.machine, code), |kernel| {
+            trace::leaving(
+                macro_name(kernel.channel.env.machine, code, selects),
+                &matching_list(kernel.channel.env.machine, code),
+                kernel.running_name(),
+            )
         });
     }
 
@@ -34,7 +42,11 @@ impl Kernel<'_> {
         match step {
             Step::Statement(code, text) => {
                 let running = self.macros.calls.running.last().map(|call| call.code);
-                let letter = if code.is_function { 'H' } else { running.map_or('H', |code| self.macro_letter(code)) };
+                let letter = if code.is_function {
+                    'H'
+                } else {
+                    running.map_or('H', |code| macro_letter(self.channel.env.machine, code))
+                };
                 self.trace(letter, |_| trace::statement(text));
             }
             Step::Entering(code) if code.is_function => {
@@ -79,40 +91,44 @@ impl Kernel<'_> {
     /// The macro that continues, innermost first; none if no macro is running.
     fn running_name(&self) -> Option<&str> {
         let call = self.macros.calls.running.last()?;
-        Some(call.functions.last().map_or_else(|| self.macro_name(call.code, call.task.selects()), String::as_str))
+        Some(
+            call.functions
+                .last()
+                .map_or_else(|| macro_name(self.channel.env.machine, call.code, call.task.selects()), String::as_str),
+        )
     }
 
     /// The innermost macro of the running machine.
     pub(crate) fn called_name(&self) -> Option<&str> {
         let call = self.macros.calls.running.last()?;
-        Some(self.macro_name(call.code, call.task.selects()))
-    }
-
-    fn macro_letter(&self, code: u16) -> char {
-        let named = self.channel.env.machine.macros.as_deref().is_some_and(|macros| macros.is_named(code));
-        if named { 'M' } else { 'H' }
-    }
-
-    /// Name of a macro; the macro of tools has two, for selecting and for loading a tool.
-    fn macro_name(&self, code: u16, selects: bool) -> &str {
-        let macros = self.channel.env.machine.macros.as_deref();
-        match macros.filter(|_| selects).and_then(|macros| macros.hook(Hook::Tool)) {
-            Some(tool) if tool == code => SELECT_TOOL,
-            _ => macros.and_then(|macros| macros.name_of(code)).unwrap_or("embedded code"),
-        }
-    }
-
-    /// The list of identifiers that a code macro matches, empty for all others.
-    fn matching_list(&self, code: u16) -> String {
-        let named = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.code_macro(code));
-        let list = named.map_or(&[][..], |named| named.matches.as_slice()).iter().filter_map(|item| match item {
-            Item::Code(id) => Some(self.channel.env.machine.code_name(*id)),
-            Item::Data(_) => None,
-        });
-        list.collect::<Vec<_>>().join(", ")
+        Some(macro_name(self.channel.env.machine, call.code, call.task.selects()))
     }
 }
 
 fn when(now: bool) -> &'static str {
     if now { "NOW" } else { "NEXT" }
+}
+
+fn macro_letter(machine: &Machine, code: u16) -> char {
+    let named = machine.macros.as_deref().is_some_and(|macros| macros.is_named(code));
+    if named { 'M' } else { 'H' }
+}
+
+/// Name of a macro; the macro of tools has two, for selecting and for loading a tool.
+fn macro_name(machine: &Machine, code: u16, selects: bool) -> &str {
+    let macros = machine.macros.as_deref();
+    match macros.filter(|_| selects).and_then(|macros| macros.hook(Hook::Tool)) {
+        Some(tool) if tool == code => SELECT_TOOL,
+        _ => macros.and_then(|macros| macros.name_of(code)).unwrap_or("embedded code"),
+    }
+}
+
+/// The list of identifiers that a code macro matches, empty for all others.
+fn matching_list(machine: &Machine, code: u16) -> String {
+    let named = machine.macros.as_deref().and_then(|macros| macros.code_macro(code));
+    let list = named.map_or(&[][..], |named| named.matches.as_slice()).iter().filter_map(|item| match item {
+        Item::Code(id) => Some(machine.code_name(*id)),
+        Item::Data(_) => None,
+    });
+    list.collect::<Vec<_>>().join(", ")
 }

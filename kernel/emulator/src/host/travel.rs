@@ -5,6 +5,7 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::macros::books::travel::COLUMNS;
+use crate::state::channel::Channel;
 use counterpoint_event::event::{MAX_AXES, Motion, MotionKind};
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
@@ -43,23 +44,6 @@ fn place(at: &[i64]) -> Option<(usize, usize)> {
 }
 
 impl Kernel<'_> {
-    /// Column of each axis of the channel, none for those that the tables do not have.
-    pub(crate) fn travel_columns(&self) -> [Option<usize>; MAX_AXES] {
-        let mut columns = [None; MAX_AXES];
-        for (column, id) in AXES.into_iter().enumerate() {
-            let axis = self.channel.axis_of_data(id).or_else(|| self.second_table(id));
-            if let Some(axis) = axis {
-                *columns.at_mut(axis) = Some(column);
-            }
-        }
-        columns
-    }
-
-    /// A second table about Z takes the place of the first one where that is missing.
-    fn second_table(&self, id: DataId) -> Option<AxisSlot> {
-        self.channel.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
-    }
-
     /// Notes where a motion leads.
     pub(crate) fn note_travel(&mut self, motion: &Motion) {
         self.note_offsets(motion.moving);
@@ -117,4 +101,21 @@ impl Kernel<'_> {
         }
         Ok(())
     }
+}
+
+/// A second table about Z takes the place of the first one where that is missing.
+fn second_table(channel: &Channel<'_>, id: DataId) -> Option<AxisSlot> {
+    channel.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
+}
+
+/// Column of each axis of the channel, none for those that the tables do not have.
+pub(crate) fn travel_columns(channel: &Channel<'_>) -> [Option<usize>; MAX_AXES] {
+    let mut columns = [None; MAX_AXES];
+    for (column, id) in AXES.into_iter().enumerate() {
+        let axis = channel.axis_of_data(id).or_else(|| second_table(channel, id));
+        if let Some(axis) = axis {
+            *columns.at_mut(axis) = Some(column);
+        }
+    }
+    columns
 }

@@ -9,8 +9,8 @@ mod coolant;
 mod cycles;
 mod frames;
 mod kernels;
-mod offsets;
-mod positions;
+pub(crate) mod offsets;
+pub(crate) mod positions;
 mod program;
 mod spindles;
 mod state;
@@ -42,7 +42,7 @@ enum Source {
     /// Read off the kernel; written if there is a path.
     State(Read, Option<Write>),
     /// Position of an axis.
-    Position(positions::Place),
+    Position(positions::AxisPosition),
     /// Switch of a hook.
     Switch(Hook),
 }

@@ -4,6 +4,8 @@
 //! block; codes that words trigger are not changed.
 
 use crate::channel::Kernel;
+use crate::pipeline::codes;
+use crate::state::channel::Channel;
 use crate::state::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_machine::ident::kind::CodeKind;
@@ -25,52 +27,21 @@ impl Kernel<'_> {
     /// Removes the earlier of a cycle and a motion code from the block.
     #[inline(never)]
     pub(crate) fn cycle_or_motion(&mut self) {
-        let (Some(cycle), Some(motion)) = (self.last_written(is_cycle), self.last_written(is_motion)) else { return };
-        let Some([cycle_word, motion_word]) = self.words_at([cycle, motion]) else { return };
+        let (Some(cycle), Some(motion)) =
+            (last_written(&self.channel, is_cycle), last_written(&self.channel, is_motion))
+        else {
+            return;
+        };
+        let Some([cycle_word, motion_word]) = words_at(&self.channel, [cycle, motion]) else { return };
         let (wins, loses, at) =
             if motion > cycle { (motion_word, cycle_word, cycle) } else { (cycle_word, motion_word, motion) };
         if motion > cycle {
-            self.drop_code(at);
+            drop_code(&mut self.channel, at);
             self.channel.block.flags.cycle_dropped = true;
         }
         let rest = if motion > cycle { "; the cycle is not executed" } else { "; the cycle is executed" };
         let text = format!("{loses} and then {wins} in '{}'{rest}", self.block_text());
         self.diagnose(&diag::CYCLE_BESIDE_MOTION, text);
-    }
-
-    /// Whether only the removed cycle would have used a word.
-    pub(crate) fn belongs_to_dropped_cycle(&self, register: RegisterId) -> bool {
-        let machine = self.channel.env.machine;
-        let of = |id: DataId| machine.tables.data(id).iter().any(|&row| machine.data[row].register == Some(register));
-        self.channel.block.flags.cycle_dropped && CYCLE_DATA.into_iter().any(of)
-    }
-
-    /// The place of the last word that triggered a code of this kind.
-    fn last_written(&self, of: fn(u16, CodeKind) -> bool) -> Option<usize> {
-        (0..self.channel.block.words.len()).rev().find(|&at| {
-            self.fired_by(at).is_some_and(|pending| {
-                let row = self.channel.block.pending.get(pending).map(|code| &self.channel.env.machine.codes[code.row]);
-                row.is_some_and(|row| of(row.group, row.id.kind()))
-            })
-        })
-    }
-
-    fn words_at(&self, places: [usize; 2]) -> Option<[String; 2]> {
-        let word = |at: usize| self.channel.block.words.get(at).map(|&word| self.word_text(word));
-        Some([word(places[0])?, word(places[1])?])
-    }
-
-    fn drop_code(&mut self, at: usize) {
-        if let Some(pending) = self.fired_by(at) {
-            self.channel.block.pending.remove(pending);
-        }
-    }
-
-    /// The place of the code that the word triggered.
-    fn fired_by(&self, at: usize) -> Option<usize> {
-        let word = self.channel.block.words.get(at).filter(|word| word.used)?;
-        let rows = self.channel.env.machine.tables.code(word.register, word.value);
-        self.channel.block.pending.iter().position(|code| code.value == word.value && rows.contains(&code.row))
     }
 }
 
@@ -80,4 +51,39 @@ fn is_cycle(_: u16, kind: CodeKind) -> bool {
 
 fn is_motion(of: u16, _: CodeKind) -> bool {
     of == group::MOTION
+}
+
+/// Whether only the removed cycle would have used a word.
+pub(crate) fn belongs_to_dropped_cycle(channel: &Channel<'_>, register: RegisterId) -> bool {
+    let machine = channel.env.machine;
+    let of = |id: DataId| machine.tables.data(id).iter().any(|&row| machine.data[row].register == Some(register));
+    channel.block.flags.cycle_dropped && CYCLE_DATA.into_iter().any(of)
+}
+
+/// The place of the last word that triggered a code of this kind.
+fn last_written(channel: &Channel<'_>, of: fn(u16, CodeKind) -> bool) -> Option<usize> {
+    (0..channel.block.words.len()).rev().find(|&at| {
+        fired_by(channel, at).is_some_and(|pending| {
+            let row = channel.block.pending.get(pending).map(|code| &channel.env.machine.codes[code.row]);
+            row.is_some_and(|row| of(row.group, row.id.kind()))
+        })
+    })
+}
+
+fn words_at(channel: &Channel<'_>, places: [usize; 2]) -> Option<[String; 2]> {
+    let word = |at: usize| channel.block.words.get(at).map(|&word| codes::word_text(channel.env.machine, word));
+    Some([word(places[0])?, word(places[1])?])
+}
+
+fn drop_code(channel: &mut Channel<'_>, at: usize) {
+    if let Some(pending) = fired_by(channel, at) {
+        channel.block.pending.remove(pending);
+    }
+}
+
+/// The place of the code that the word triggered.
+fn fired_by(channel: &Channel<'_>, at: usize) -> Option<usize> {
+    let word = channel.block.words.get(at).filter(|word| word.used)?;
+    let rows = channel.env.machine.tables.code(word.register, word.value);
+    channel.block.pending.iter().position(|code| code.value == word.value && rows.contains(&code.row))
 }

@@ -4,12 +4,15 @@
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
+use crate::pipeline::conditions;
+use crate::state::channel::Channel;
 use counterpoint_dialect::MacroCall;
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
+use counterpoint_machine::Machine;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{self, CodeId, DataId, codes};
-use counterpoint_machine::index::{CodeRowId, DataRowId, RegisterId};
+use counterpoint_machine::index::{DataRowId, RegisterId};
 use counterpoint_machine::number::written;
 use counterpoint_machine::rows::{CodeForm, CodeRow, Modality};
 use counterpoint_program::block::{PendingCode, Word};
@@ -95,14 +98,14 @@ impl Kernel<'_> {
                 None if Some(word.register) == self.plan.registers.g => match self.macro_call_of(word.value) {
                     Some(how) => {
                         call |= how != MacroCall::End;
-                        self.use_word(position);
+                        self.channel.block.use_word(position);
                     }
                     None => self.data_word(position),
                 },
                 None => self.data_word(position),
                 Some((index, row)) if row.with.is_empty() && row.without.is_empty() => {
-                    self.use_word(position);
-                    self.queue(index, row, word.value, false);
+                    self.channel.block.use_word(position);
+                    self.channel.block.queue(index, row, word.value, false);
                 }
                 Some(_) => conditional = true,
             }
@@ -112,13 +115,13 @@ impl Kernel<'_> {
         }
         for index in 0..self.channel.block.texts.len() {
             if let Some(mut row) = self.channel.block.texts.get(index).copied() {
-                if !self.fits(&machine.codes[row]) {
-                    row = self.fitting_text(row);
+                if !conditions::fits(&self.channel.block, &machine.codes[row]) {
+                    row = conditions::fitting_text(&self.channel, row);
                     if let Some(slot) = self.channel.block.texts.get_mut(index) {
                         *slot = row;
                     }
                 }
-                self.queue(row, &machine.codes[row], 0.0, false);
+                self.channel.block.queue(row, &machine.codes[row], 0.0, false);
             }
         }
         if self.channel.block.pending.len() > 1 && self.plan.rules.exclusive.is_some() {
@@ -141,8 +144,8 @@ impl Kernel<'_> {
             if last.value != word.value {
                 let text = format!(
                     "{} has no effect: {} of the same group comes later in '{}'",
-                    self.word_text(word),
-                    self.word_text(last),
+                    word_text(self.channel.env.machine, word),
+                    word_text(self.channel.env.machine, last),
                     self.block_text()
                 );
                 self.diagnose(&diag::GROUP_TWICE, text);
@@ -171,41 +174,18 @@ impl Kernel<'_> {
         (group != 0).then_some((word, at, group))
     }
 
-    /// A word as its register writes it.
-    pub(super) fn word_text(&self, word: Word) -> String {
-        let register = &self.channel.env.machine.registers[word.register];
-        format!("{}{}", register.before, written(word.value, &register.format))
-    }
-
-    pub(super) fn use_word(&mut self, position: usize) {
-        if let Some(word) = self.channel.block.words.get_mut(position) {
-            word.used = true;
-        }
-    }
-
     /// Treats a word that is not a code: data if a row knows its register, otherwise unknown text.
     pub(super) fn data_word(&mut self, position: usize) {
         let Some(word) = self.channel.block.words.get(position).copied() else { return };
         let known = !self.channel.env.machine.tables.data_of(word.register).is_empty();
         if Some(word.register) == self.plan.registers.definition {
-            self.use_word(position);
+            self.channel.block.use_word(position);
         } else if known {
             self.channel.block.index_word(position);
         } else {
-            self.use_word(position);
+            self.channel.block.use_word(position);
             self.channel.block.unrecognised.push((word.start, word.end));
         }
-    }
-
-    pub(super) fn queue(&mut self, index: CodeRowId, row: &CodeRow, value: f64, modal: bool) {
-        self.channel.block.flags.special |= row.special;
-        self.channel.block.pending.push(PendingCode {
-            order: row.order,
-            row: index,
-            value,
-            modal,
-            only_if_data_left: false,
-        });
     }
 
     /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
@@ -226,7 +206,7 @@ impl Kernel<'_> {
             if self.group_queued(group) {
                 continue;
             }
-            self.queue_modal(group);
+            queue_modal(&mut self.channel, group);
             if !forever {
                 self.channel.state.modal.refires.remove(index);
             }
@@ -248,21 +228,10 @@ impl Kernel<'_> {
         }
     }
 
-    pub(crate) fn queue_modal(&mut self, group: u16) {
-        if let Some(index) = self.channel.state.modal.row(group) {
-            let row = &self.channel.env.machine.codes[index];
-            let value = match row.form {
-                CodeForm::RegisterAsData { min, .. } => min,
-                _ => 0.0,
-            };
-            self.queue(index, row, value, true);
-        }
-    }
-
     /// The same for a code that data fire: it acts only if some of them are left by then.
     pub(crate) fn queue_by_data(&mut self, group: u16) {
         let before = self.channel.block.pending.len();
-        self.queue_modal(group);
+        queue_modal(&mut self.channel, group);
         // Alone in its block it finds the data that fire it.
         if (before > 0 || !self.channel.state.modal.refires.is_empty() || self.plan.hooks.is_some())
             && let Some(pending) = self.channel.block.pending.get_mut(before)
@@ -345,25 +314,6 @@ impl Kernel<'_> {
         );
     }
 
-    /// Value that a code hands over as data.
-    #[inline]
-    pub(crate) fn data_of_code(&self, row: &CodeRow, pending: PendingCode) -> Option<Handed> {
-        match row.form {
-            CodeForm::RegisterAsData { register, data, .. } => {
-                let raw = pending.value * row.mul + row.add;
-                Some(Handed { id: data, raw, row: self.row_of_handed(data, register) })
-            }
-            _ => None,
-        }
-    }
-
-    /// The row that a value of a code passes: that of its register, or one that has none.
-    fn row_of_handed(&self, data: DataId, register: RegisterId) -> Option<DataRowId> {
-        let machine = self.channel.env.machine;
-        let of = |wanted| machine.tables.data(data).iter().copied().find(|&row| machine.data[row].register == wanted);
-        of(Some(register)).or_else(|| of(None))
-    }
-
     /// Steps before a code acts: it is remembered if it is a function, hands over its data, becomes active in its modal
     /// group.
     #[inline(always)]
@@ -375,7 +325,7 @@ impl Kernel<'_> {
         {
             self.channel.state.remembered.remember_function(pending.value);
         }
-        self.channel.acting.as_data = self.data_of_code(row, pending);
+        self.channel.acting.as_data = data_of_code(self.channel.env.machine, row, pending);
         self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
         match row.modality {
             Modality::NonModal if row.group != 0 && !pending.modal => self.channel.state.modal.refire_once(row.group),
@@ -441,4 +391,39 @@ impl Kernel<'_> {
         }
         self.channel.state.secondary = self.channel.state.says_secondary();
     }
+}
+
+/// A word as its register writes it.
+pub(super) fn word_text(machine: &Machine, word: Word) -> String {
+    let register = &machine.registers[word.register];
+    format!("{}{}", register.before, written(word.value, &register.format))
+}
+
+pub(crate) fn queue_modal(channel: &mut Channel<'_>, group: u16) {
+    if let Some(index) = channel.state.modal.row(group) {
+        let row = &channel.env.machine.codes[index];
+        let value = match row.form {
+            CodeForm::RegisterAsData { min, .. } => min,
+            _ => 0.0,
+        };
+        channel.block.queue(index, row, value, true);
+    }
+}
+
+/// Value that a code hands over as data.
+#[inline]
+pub(crate) fn data_of_code(machine: &Machine, row: &CodeRow, pending: PendingCode) -> Option<Handed> {
+    match row.form {
+        CodeForm::RegisterAsData { register, data, .. } => {
+            let raw = pending.value * row.mul + row.add;
+            Some(Handed { id: data, raw, row: row_of_handed(machine, data, register) })
+        }
+        _ => None,
+    }
+}
+
+/// The row that a value of a code passes: that of its register, or one that has none.
+fn row_of_handed(machine: &Machine, data: DataId, register: RegisterId) -> Option<DataRowId> {
+    let of = |wanted| machine.tables.data(data).iter().copied().find(|&row| machine.data[row].register == wanted);
+    of(Some(register)).or_else(|| of(None))
 }

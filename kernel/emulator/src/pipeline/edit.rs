@@ -6,6 +6,8 @@
 use std::sync::Arc;
 
 use crate::channel::Kernel;
+use crate::state::channel::Channel;
+use crate::trace;
 use crate::trace::Stage;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -160,18 +162,12 @@ impl Kernel<'_> {
     pub(crate) fn trace_deleted(&mut self, text: &[u8]) {
         let (plan, own) = (self.plan, self.block_scanner());
         let scanner = own.as_deref().unwrap_or(&plan.scanner);
-        if self.traces('E')
+        if trace::traces(&self.channel, 'E')
             && let Some((active, left)) = scanner.without_deleted(text, text)
         {
             let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
             self.trace('E', |_| crate::trace::edited(stage, String::from_utf8_lossy(&left).trim()));
         }
-    }
-
-    /// Whether the block is a line of a file as it was read, and this byte occurs nowhere in the file.
-    pub(crate) fn is_line_without(&self, byte: u8) -> bool {
-        let source = || self.channel.env.sources.get(self.channel.at.file);
-        self.channel.text.edited.is_none() && source().is_some_and(|source| !source.has(byte))
     }
 
     /// Text of the block being processed.
@@ -186,4 +182,10 @@ impl Kernel<'_> {
             }
         }
     }
+}
+
+/// Whether the block is a line of a file as it was read, and this byte occurs nowhere in the file.
+pub(crate) fn is_line_without(channel: &Channel<'_>, byte: u8) -> bool {
+    let source = || channel.env.sources.get(channel.at.file);
+    channel.text.edited.is_none() && source().is_some_and(|source| !source.has(byte))
 }

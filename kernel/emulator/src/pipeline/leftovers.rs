@@ -3,6 +3,9 @@
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 
 use crate::channel::Kernel;
+use crate::channel::refusals;
+use crate::pipeline::beside_motion;
+use crate::state::channel::Channel;
 use crate::state::modal::feed_of;
 use crate::state::modal::group;
 use counterpoint_fault as diag;
@@ -75,7 +78,9 @@ impl Kernel<'_> {
     fn leftover_word(&mut self, (position, register): (usize, RegisterId), value: f64, span: (u32, u32)) {
         let machine = self.channel.env.machine;
         let mut rows = self.channel.block.pending.iter().map(|pending| &machine.codes[pending.row]);
-        if rows.any(|row| row.ignores.contains(&register)) || self.belongs_to_dropped_cycle(register) {
+        if rows.any(|row| row.ignores.contains(&register))
+            || beside_motion::belongs_to_dropped_cycle(&self.channel, register)
+        {
             return;
         }
         let rows = machine.tables.data_of(register);
@@ -117,10 +122,10 @@ impl Kernel<'_> {
         }
         let word = self.span_text(span);
         let block = self.block_text();
-        if axis && !self.channel_has(register) {
+        if axis && !channel_has(&self.channel, register) {
             self.diagnose(
                 &diag::AXIS_NOT_IN_CHANNEL,
-                format!("{} for {word} in '{block}'; the word is ignored", self.no_such_axis()),
+                format!("{} for {word} in '{block}'; the word is ignored", refusals::no_such_axis(&self.channel)),
             );
         } else if axis && self.channel.state.modal.code(group::MOTION).is_none() {
             self.diagnose(&diag::NO_MOTION_MODE, format!("no motion code is active for {word} in '{block}'"));
@@ -132,20 +137,6 @@ impl Kernel<'_> {
         } else {
             self.diagnose(&diag::DATA_NOT_USED, format!("{word} is not used by any code in '{block}'; ignored"));
         }
-    }
-
-    /// Whether one of the channel's axes takes words of this register.
-    fn channel_has(&self, register: RegisterId) -> bool {
-        self.channel.state.place.layout.axes.iter().any(|axis| {
-            self.channel
-                .env
-                .machine
-                .tables
-                .data(axis.data)
-                .iter()
-                .map(|&row| &self.channel.env.machine.data[row])
-                .any(|row| row.register == Some(register))
-        })
     }
 
     pub(crate) fn span_text(&self, (start, end): (u32, u32)) -> String {
@@ -162,4 +153,18 @@ impl Kernel<'_> {
             self.channel.block.take_name();
         }
     }
+}
+
+/// Whether one of the channel's axes takes words of this register.
+fn channel_has(channel: &Channel<'_>, register: RegisterId) -> bool {
+    channel.state.place.layout.axes.iter().any(|axis| {
+        channel
+            .env
+            .machine
+            .tables
+            .data(axis.data)
+            .iter()
+            .map(|&row| &channel.env.machine.data[row])
+            .any(|row| row.register == Some(register))
+    })
 }

@@ -5,13 +5,13 @@
 //! any source of their text or words. Facts: reference control-emulator.md 2.2, 2.3.
 
 mod beside_motion;
-mod codes;
+pub(crate) mod codes;
 mod conditions;
 mod contour;
 mod cycle_blocks;
 mod data_blocks;
 mod definitions;
-mod edit;
+pub(crate) mod edit;
 mod follow;
 mod leftovers;
 mod length_words;

@@ -15,6 +15,7 @@ pub(crate) use lines::{
 
 use crate::channel::Kernel;
 use crate::state::burden::shortened;
+use crate::state::channel::Channel;
 use counterpoint_event::event::{Kind, Trace};
 use counterpoint_machine::ident::{self, CodeId, DataId};
 use counterpoint_machine::index::CodeRowId;
@@ -25,14 +26,6 @@ use counterpoint_machine::rows::CodeForm;
 pub(crate) const ACTION: char = 'A';
 
 impl Kernel<'_> {
-    /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z,
-    /// their actions in any case.
-    pub(crate) fn traces(&self, letter: char) -> bool {
-        let Some(letters) = self.channel.env.trace else { return false };
-        letters.has(letter)
-            && (letter == ACTION || letters.has('Z') || !self.channel.env.info.is_stored(self.channel.at.file))
-    }
-
     /// Adds a line of a letter, if it is wanted.
     #[inline(always)]
     pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
@@ -44,7 +37,7 @@ impl Kernel<'_> {
     #[cold]
     #[inline(never)]
     fn trace_wanted(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
-        if self.traces(letter) {
+        if traces(&self.channel, letter) {
             let text = shortened(&line(self)).to_owned();
             self.emit(0, Kind::trace(letter, text));
         }
@@ -52,7 +45,7 @@ impl Kernel<'_> {
 
     /// Adds an action that takes the place of that of the next event, if actions are wanted.
     pub(crate) fn trace_instead(&mut self, text: &str) {
-        if self.traces(ACTION) {
+        if traces(&self.channel, ACTION) {
             let text = shortened(&action(text)).into();
             self.emit(0, Kind::Trace(Trace { letter: ACTION, text, listing: None, instead: true }));
         }
@@ -61,12 +54,12 @@ impl Kernel<'_> {
     /// The words of the block as they were recognised, and its sequence number.
     #[cold]
     pub(crate) fn trace_words(&mut self) {
-        if self.traces('W') {
+        if traces(&self.channel, 'W') {
             if let Some(number) = self.channel.block.sequence {
                 self.trace('W', |_| word("N", &number.to_string()));
             }
             for index in 0..self.channel.block.words.len() {
-                self.trace('W', |kernel| kernel.word_line(index));
+                self.trace('W', |kernel| word_line(&kernel.channel, index));
             }
         }
         if let Some(number) = self.channel.block.sequence {
@@ -85,11 +78,6 @@ impl Kernel<'_> {
         }
     }
 
-    fn word_line(&self, index: usize) -> String {
-        let Some((register, value)) = self.written_word(index) else { return String::new() };
-        word(register, &value)
-    }
-
     /// The literal text of a row of the code table.
     pub(crate) fn literal_of(&self, row: CodeRowId) -> Option<&str> {
         match &self.channel.env.machine.codes[row].form {
@@ -98,33 +86,12 @@ impl Kernel<'_> {
         }
     }
 
-    /// A word as its register writes it.
-    fn text_of_word(&self, index: usize) -> Option<String> {
-        let (name, value) = self.written_word(index)?;
-        let word = self.channel.block.words.get(index)?;
-        let register = &self.channel.env.machine.registers[word.register];
-        let before = if word.incremental && register.second.is_some() { name } else { register.before.as_str() };
-        Some(format!("{before}{value}{}", register.after))
-    }
-
-    /// Name and number of a word as its register writes them.
-    fn written_word(&self, index: usize) -> Option<(&str, String)> {
-        let word = self.channel.block.words.get(index)?;
-        let register = &self.channel.env.machine.registers[word.register];
-        let name = match &register.second {
-            Some(second) if word.incremental => second.as_str(),
-            _ => register.name.as_str(),
-        };
-        let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
-        Some((name, written(word.value, format)))
-    }
-
     /// The text that the pre-processor left.
     #[cold]
     pub(crate) fn trace_preprocessed(&mut self) {
         self.trace('E', |kernel| {
             let sequence = kernel.channel.block.sequence.map(|number| format!("N{number}"));
-            let words = (0..kernel.channel.block.words.len()).filter_map(|index| kernel.text_of_word(index));
+            let words = (0..kernel.channel.block.words.len()).filter_map(|index| text_of_word(&kernel.channel, index));
             let texts = kernel.channel.block.texts.iter().filter_map(|&row| kernel.literal_of(row)).map(str::to_owned);
             edited(Stage::PreProcessor, &sequence.into_iter().chain(words).chain(texts).collect::<Vec<_>>().join(" "))
         });
@@ -153,4 +120,37 @@ impl Kernel<'_> {
     pub(crate) fn trace_data(&mut self, id: DataId, value: f64) {
         self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
     }
+}
+
+/// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z,
+/// their actions in any case.
+pub(crate) fn traces(channel: &Channel<'_>, letter: char) -> bool {
+    let Some(letters) = channel.env.trace else { return false };
+    letters.has(letter) && (letter == ACTION || letters.has('Z') || !channel.env.info.is_stored(channel.at.file))
+}
+
+fn word_line(channel: &Channel<'_>, index: usize) -> String {
+    let Some((register, value)) = written_word(channel, index) else { return String::new() };
+    word(register, &value)
+}
+
+/// A word as its register writes it.
+fn text_of_word(channel: &Channel<'_>, index: usize) -> Option<String> {
+    let (name, value) = written_word(channel, index)?;
+    let word = channel.block.words.get(index)?;
+    let register = &channel.env.machine.registers[word.register];
+    let before = if word.incremental && register.second.is_some() { name } else { register.before.as_str() };
+    Some(format!("{before}{value}{}", register.after))
+}
+
+/// Name and number of a word as its register writes them.
+fn written_word<'c>(channel: &'c Channel<'_>, index: usize) -> Option<(&'c str, String)> {
+    let word = channel.block.words.get(index)?;
+    let register = &channel.env.machine.registers[word.register];
+    let name = match &register.second {
+        Some(second) if word.incremental => second.as_str(),
+        _ => register.name.as_str(),
+    };
+    let format = if channel.state.secondary { &register.secondary } else { &register.format };
+    Some((name, written(word.value, format)))
 }

@@ -3,6 +3,7 @@
 use counterpoint_motion::frame::affine::Affine;
 
 use crate::channel::Kernel;
+use crate::state::channel::Channel;
 use crate::state::frames::offsets::{Radii, Table};
 use crate::state::modal::{feed_of, group};
 use crate::state::position::Axis;
@@ -35,15 +36,6 @@ impl Kernel<'_> {
     fn size(&self, offset: u32) -> [f64; 2] {
         let length = self.along().map_or(0.0, |axis| self.channel.worn_length(offset).at(axis));
         [length, self.channel.worn_radius(offset)]
-    }
-}
-
-impl Kernel<'_> {
-    /// The axis of the channel that the program calls by a letter.
-    fn slot_of(&self, letter: &str) -> Option<AxisSlot> {
-        let machine = &self.channel.env.machine.axes;
-        let mut axes = self.channel.state.place.layout.axes.entries();
-        axes.find(|(_, axis)| machine[axis.machine].letter.eq_ignore_ascii_case(letter)).map(|(slot, _)| slot)
     }
 }
 
@@ -173,7 +165,7 @@ impl Frames for Kernel<'_> {
     }
 
     fn go_beside(&mut self, letter: &str, to: f64, feed: Option<f64>) {
-        let Some(axis) = self.slot_of(letter) else { return };
+        let Some(axis) = slot_of(&self.channel, letter) else { return };
         let to = to * self.program_factor(axis);
         let turns = self.channel.state.place.layout.axes[axis].rotary;
         let factor = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Feed) };
@@ -181,12 +173,14 @@ impl Frames for Kernel<'_> {
     }
 
     fn count_feed(&mut self, letters: &[String]) {
-        let axes: Vec<AxisSlot> = letters.iter().filter_map(|letter| self.slot_of(letter)).collect();
+        let axes: Vec<AxisSlot> = letters.iter().filter_map(|letter| slot_of(&self.channel, letter)).collect();
         self.channel.set_feed_group(&axes);
     }
 
     fn set_feed_radius(&mut self, letter: &str, radius: f64) -> bool {
-        let Some(axis) = self.slot_of(letter).filter(|axis| self.channel.state.place.layout.axes[*axis].rotary) else {
+        let Some(axis) =
+            slot_of(&self.channel, letter).filter(|axis| self.channel.state.place.layout.axes[*axis].rotary)
+        else {
             return false;
         };
         self.channel.set_feed_radius(axis, radius * self.channel.unit_factor(Dimension::Length));
@@ -194,13 +188,13 @@ impl Frames for Kernel<'_> {
     }
 
     fn area_side(&self, letter: &str, high: bool) -> Option<(Option<f64>, bool)> {
-        let axis = self.slot_of(letter)?;
+        let axis = slot_of(&self.channel, letter)?;
         let (limit, counts) = self.channel.area_side(axis, high);
         Some((limit.map(|limit| limit / self.program_factor(axis)), counts))
     }
 
     fn set_area_side(&mut self, letter: &str, high: bool, limit: Option<f64>, counts: Option<bool>) -> bool {
-        let Some(axis) = self.slot_of(letter) else { return false };
+        let Some(axis) = slot_of(&self.channel, letter) else { return false };
         let limit = limit.map(|limit| limit * self.program_factor(axis));
         if let Some(side) = self.channel.work_area().side(axis, high) {
             (side.limit, side.enabled) = (limit.or(side.limit), counts.or(side.enabled));
@@ -302,4 +296,11 @@ impl Frames for Kernel<'_> {
     fn restore_modes(&mut self, modes: &Modes) {
         self.put_modes_back(&modes.0);
     }
+}
+
+/// The axis of the channel that the program calls by a letter.
+fn slot_of(channel: &Channel<'_>, letter: &str) -> Option<AxisSlot> {
+    let machine = &channel.env.machine.axes;
+    let mut axes = channel.state.place.layout.axes.entries();
+    axes.find(|(_, axis)| machine[axis.machine].letter.eq_ignore_ascii_case(letter)).map(|(slot, _)| slot)
 }

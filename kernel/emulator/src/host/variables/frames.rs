@@ -7,7 +7,7 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
-use super::{Read, Write};
+use super::{Read, Write, positions};
 use crate::channel::Kernel;
 use crate::state::frames::Frames;
 use counterpoint_motion::frame::affine::Affine;
@@ -46,7 +46,8 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$AXESC2P" => (
             |k, _| {
                 let polar = k.channel.polar().filter(|polar| !polar.is_cylinder());
-                let letters = polar.map(|polar| polar.axes().map(|axis| k.axis_letter(Some(axis))));
+                let letters = polar
+                    .map(|polar| polar.axes().map(|axis| positions::axis_letter(&k.channel.state.place, Some(axis))));
                 Value::text(letters.map_or_else(String::new, |letters| letters.iter().collect()))
             },
             None,

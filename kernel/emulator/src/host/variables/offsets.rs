@@ -10,6 +10,8 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
+use crate::host::variables::positions;
+use crate::state::channel::Channel;
 use crate::state::compensation::number_of;
 use crate::state::frames::offsets::{BASE, Radii, Table};
 use crate::state::frames::shift::DIAMETERS;
@@ -203,49 +205,6 @@ fn offset_number(arguments: &[Value], fixture: bool) -> Outcome<u32> {
 }
 
 impl Kernel<'_> {
-    fn which(&self, argument: Option<&Value>) -> Outcome<Which> {
-        let axis = |at: usize| LETTERS.get(at).and_then(|letter| self.axis_of(*letter));
-        match argument {
-            None => Ok(Which::Six),
-            Some(Value::Keyword(code)) => {
-                let is = |word: &str| minor_code(word) == Some(*code);
-                if is("ALL") {
-                    return Ok(Which::All);
-                }
-                let named = LETTERS.iter().position(|letter| is(&format!("{letter}AXIS")));
-                if named.is_none() && !["QUILL", "RAM", "ORIENT"].into_iter().any(is) {
-                    return Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL"));
-                }
-                Ok(Which::One(named.and_then(axis)))
-            }
-            Some(value) => match value.as_real() {
-                Some(index) if (1.0..=ALL_AXES as f64).contains(&index) => Ok(Which::One(axis(index as usize - 1))),
-                _ => Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL")),
-            },
-        }
-    }
-
-    /// Channel axes of a sequence.
-    fn axes_of(&self, which: &Which) -> Vec<Option<AxisSlot>> {
-        match which {
-            Which::Six => self.six_axes().to_vec(),
-            Which::All => (0..ALL_AXES).map(|at| LETTERS.get(at).and_then(|letter| self.axis_of(*letter))).collect(),
-            Which::One(axis) => vec![*axis],
-        }
-    }
-
-    /// `$FMSGLCV`, `$FMSGFCV`.
-    pub(in crate::host) fn read_offset(&self, table: Table, arguments: &[Value]) -> Outcome<Value> {
-        let values = self.channel.offset_values(table, offset_number(arguments, table == Table::Work)?);
-        let which = self.which(arguments.get(2))?;
-        let axes = self.axes_of(&which);
-        let numbers: Vec<f64> = axes.iter().map(|axis| axis.map_or(0.0, |axis| values.at(axis))).collect();
-        Ok(match (which, numbers.as_slice()) {
-            (Which::One(_), [one, ..]) => Value::Real(*one),
-            _ => Value::numbers(&numbers),
-        })
-    }
-
     /// `$FMSSLCV`, `$FMSSFCV`: 1, or 0 if it cannot be kept.
     pub(in crate::host) fn write_offset(&mut self, table: Table, arguments: &[Value]) -> Outcome<Value> {
         let number = offset_number(arguments, table == Table::Work)?;
@@ -253,7 +212,7 @@ impl Kernel<'_> {
         let given = |at: usize| arguments.get(at).and_then(Value::as_real);
         let (axes, numbers): (Vec<Option<AxisSlot>>, Vec<f64>) = match arguments.get(2) {
             Some(Value::Sequence(given)) => {
-                let axes = self.axes_of(&self.which(arguments.get(3))?);
+                let axes = axes_of(&self.channel, &which(&self.channel, arguments.get(3))?);
                 if given.len() != axes.len() {
                     let text = format!("the offset takes {} numbers, not {}", axes.len(), given.len());
                     return Err(Fault::new(Number::BAD_VECTOR, text));
@@ -268,7 +227,9 @@ impl Kernel<'_> {
                 (Some(z), None, _) if table == Table::Length && arguments.len() == 3 => {
                     (self.channel.state.place.layout.cartesian.to_vec(), vec![0.0, 0.0, z])
                 }
-                (Some(value), ..) if arguments.len() > 3 => (self.axes_of(&self.which(arguments.get(3))?), vec![value]),
+                (Some(value), ..) if arguments.len() > 3 => {
+                    (axes_of(&self.channel, &which(&self.channel, arguments.get(3))?), vec![value])
+                }
                 _ => {
                     return Err(Fault::new(
                         Number::BAD_VECTOR,
@@ -288,18 +249,63 @@ impl Kernel<'_> {
         }
         Ok(real(u8::from(known && self.set_offset(table, number, values))))
     }
+}
 
-    /// `$FMSGDCV`, `$FMSGRCV`.
-    pub(in crate::host) fn read_radius(&self, table: Radii, arguments: &[Value]) -> Outcome<Value> {
-        Ok(Value::Real(self.channel.offset_radius(table, offset_number(arguments, false)?)))
+fn which(channel: &Channel<'_>, argument: Option<&Value>) -> Outcome<Which> {
+    let axis = |at: usize| LETTERS.get(at).and_then(|letter| positions::axis_of(channel, *letter));
+    match argument {
+        None => Ok(Which::Six),
+        Some(Value::Keyword(code)) => {
+            let is = |word: &str| minor_code(word) == Some(*code);
+            if is("ALL") {
+                return Ok(Which::All);
+            }
+            let named = LETTERS.iter().position(|letter| is(&format!("{letter}AXIS")));
+            if named.is_none() && !["QUILL", "RAM", "ORIENT"].into_iter().any(is) {
+                return Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL"));
+            }
+            Ok(Which::One(named.and_then(axis)))
+        }
+        Some(value) => match value.as_real() {
+            Some(index) if (1.0..=ALL_AXES as f64).contains(&index) => Ok(Which::One(axis(index as usize - 1))),
+            _ => Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL")),
+        },
     }
+}
 
-    /// `$FMSSDCV`, `$FMSSRCV`: 1, or 0 if it cannot be kept.
-    pub(in crate::host) fn write_radius(&mut self, table: Radii, arguments: &[Value]) -> Outcome<Value> {
-        let number = offset_number(arguments, false)?;
-        let value = arguments.get(2).and_then(Value::as_real).filter(|value| value.is_finite());
-        let set = value.is_some_and(|value| self.channel.set_offset_radius(table, number, value));
-        let tip = arguments.get(3).and_then(Value::as_real);
-        Ok(real(u8::from(set && tip.is_none_or(|tip| self.channel.set_offset_tip(number, tip)))))
+/// Channel axes of a sequence.
+fn axes_of(channel: &Channel<'_>, which: &Which) -> Vec<Option<AxisSlot>> {
+    match which {
+        Which::Six => positions::six_axes(&channel.state.place).to_vec(),
+        Which::All => {
+            (0..ALL_AXES).map(|at| LETTERS.get(at).and_then(|letter| positions::axis_of(channel, *letter))).collect()
+        }
+        Which::One(axis) => vec![*axis],
     }
+}
+
+/// `$FMSGLCV`, `$FMSGFCV`.
+pub(in crate::host) fn read_offset(channel: &Channel<'_>, table: Table, arguments: &[Value]) -> Outcome<Value> {
+    let values = channel.offset_values(table, offset_number(arguments, table == Table::Work)?);
+    let which = which(channel, arguments.get(2))?;
+    let axes = axes_of(channel, &which);
+    let numbers: Vec<f64> = axes.iter().map(|axis| axis.map_or(0.0, |axis| values.at(axis))).collect();
+    Ok(match (which, numbers.as_slice()) {
+        (Which::One(_), [one, ..]) => Value::Real(*one),
+        _ => Value::numbers(&numbers),
+    })
+}
+
+/// `$FMSGDCV`, `$FMSGRCV`.
+pub(in crate::host) fn read_radius(channel: &Channel<'_>, table: Radii, arguments: &[Value]) -> Outcome<Value> {
+    Ok(Value::Real(channel.offset_radius(table, offset_number(arguments, false)?)))
+}
+
+/// `$FMSSDCV`, `$FMSSRCV`: 1, or 0 if it cannot be kept.
+pub(in crate::host) fn write_radius(channel: &mut Channel<'_>, table: Radii, arguments: &[Value]) -> Outcome<Value> {
+    let number = offset_number(arguments, false)?;
+    let value = arguments.get(2).and_then(Value::as_real).filter(|value| value.is_finite());
+    let set = value.is_some_and(|value| channel.set_offset_radius(table, number, value));
+    let tip = arguments.get(3).and_then(Value::as_real);
+    Ok(real(u8::from(set && tip.is_none_or(|tip| channel.set_offset_tip(number, tip)))))
 }

@@ -4,13 +4,15 @@
 //! degrees on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
 
 use crate::channel::Kernel;
+use crate::state::channel::Channel;
+use crate::state::position::Place;
 use counterpoint_machine::ident::kind::data::DataKind;
 use counterpoint_machine::ident::{DataId, data};
 use counterpoint_machine::index::{AxisSlot, BySlot};
 
 /// Which value of which axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct AxisPosition {
     letter: char,
     kind: char,
     /// On the table (T) or the head (H), blank for either.
@@ -20,7 +22,7 @@ pub(crate) struct Place {
 }
 
 /// The place that a name means.
-pub(crate) fn place(name: &str) -> Option<Place> {
+pub(crate) fn place(name: &str) -> Option<AxisPosition> {
     let name = name.strip_prefix('$')?;
     let (before, name) = match name.strip_prefix('L') {
         Some(rest) if rest.len() > 1 => (true, rest),
@@ -37,43 +39,12 @@ pub(crate) fn place(name: &str) -> Option<Place> {
     };
     let side = if rest.len() == 2 { rest.chars().next()? } else { ' ' };
     let rotary = "ABC".contains(letter);
-    ("XYZUVWEND".contains(letter) && side == ' ' || rotary).then_some(Place { letter, kind, side, before })
+    ("XYZUVWEND".contains(letter) && side == ' ' || rotary).then_some(AxisPosition { letter, kind, side, before })
 }
 
 impl Kernel<'_> {
-    /// Channel axis with this letter.
-    pub(crate) fn axis_of(&self, letter: char) -> Option<AxisSlot> {
-        let role =
-            "XYZ".find(letter).and_then(|at| self.channel.state.place.layout.cartesian.get(at).copied().flatten());
-        role.or_else(|| {
-            self.channel.state.place.layout.axes.find(|axis| {
-                let own = &self.channel.env.machine.axes[axis.machine].letter;
-                own.len() == 1 && own.starts_with(letter)
-            })
-        })
-    }
-
-    /// Channel axis of a name.
-    fn axis_at(&self, place: Place) -> Option<AxisSlot> {
-        let find = |ids: &[DataId]| ids.iter().find_map(|id| self.channel.axis_of_data(*id));
-        let of = |table: DataId, head: DataId| match place.side {
-            'T' => find(&[table]),
-            'H' => find(&[head]),
-            _ => find(&[table, head]),
-        };
-        match place.letter {
-            'A' => of(data::AXIS_AT, data::AXIS_AH),
-            'B' => of(data::AXIS_BT, data::AXIS_BH),
-            'C' => of(data::AXIS_CT, data::AXIS_CH).or_else(|| find(&[data::AXIS_CT2]).filter(|_| place.side != 'H')),
-            'N' => find(&[data::AXIS_N]),
-            'D' => find(&[data::AXIS_N2]),
-            'E' => find(&[data::AXIS_E]),
-            letter => self.axis_of(letter),
-        }
-    }
-
-    pub(crate) fn position_of(&self, place: Place) -> f64 {
-        let Some(axis) = self.axis_at(place) else { return 0.0 };
+    pub(crate) fn position_of(&self, place: AxisPosition) -> f64 {
+        let Some(axis) = axis_at(&self.channel, place) else { return 0.0 };
         if place.kind == 'W' && !place.before {
             return self.channel.programmed().at(axis);
         }
@@ -89,33 +60,61 @@ impl Kernel<'_> {
             _ => value(&self.channel.program_point(at)),
         }
     }
+}
 
-    /// Channel axes of the six elements of `$AXES`: X Y Z, two rotary ones, and one more.
-    pub(crate) fn six_axes(&self) -> [Option<AxisSlot>; 6] {
-        let mut rotary =
-            self.channel.state.place.layout.axes.entries().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
-        let cartesian = self.channel.state.place.layout.cartesian;
-        let [x, y, z] = cartesian;
-        let (fourth, fifth) = (rotary.next(), rotary.next());
-        let mut others =
-            self.channel.state.place.layout.axes.entries().filter(|(_, axis)| !axis.rotary).map(|(at, _)| at);
-        let sixth = others.find(|at| !cartesian.contains(&Some(*at))).or_else(|| rotary.next());
-        [x, y, z, fourth, fifth, sixth]
-    }
+/// Channel axis with this letter.
+pub(crate) fn axis_of(channel: &Channel<'_>, letter: char) -> Option<AxisSlot> {
+    let role = "XYZ".find(letter).and_then(|at| channel.state.place.layout.cartesian.get(at).copied().flatten());
+    role.or_else(|| {
+        channel.state.place.layout.axes.find(|axis| {
+            let own = &channel.env.machine.axes[axis.machine].letter;
+            own.len() == 1 && own.starts_with(letter)
+        })
+    })
+}
 
-    /// Letter of a channel axis in `$AXES`.
-    pub(crate) fn axis_letter(&self, axis: Option<AxisSlot>) -> char {
-        let axis = axis.map(|axis| &self.channel.state.place.layout.axes[axis]);
-        match axis.map(|axis| axis.data.kind()) {
-            Some(DataKind::Axis(letter)) => letter,
-            _ => '*',
-        }
+/// Channel axis of a name.
+fn axis_at(channel: &Channel<'_>, place: AxisPosition) -> Option<AxisSlot> {
+    let find = |ids: &[DataId]| ids.iter().find_map(|id| channel.axis_of_data(*id));
+    let of = |table: DataId, head: DataId| match place.side {
+        'T' => find(&[table]),
+        'H' => find(&[head]),
+        _ => find(&[table, head]),
+    };
+    match place.letter {
+        'A' => of(data::AXIS_AT, data::AXIS_AH),
+        'B' => of(data::AXIS_BT, data::AXIS_BH),
+        'C' => of(data::AXIS_CT, data::AXIS_CH).or_else(|| find(&[data::AXIS_CT2]).filter(|_| place.side != 'H')),
+        'N' => find(&[data::AXIS_N]),
+        'D' => find(&[data::AXIS_N2]),
+        'E' => find(&[data::AXIS_E]),
+        letter => axis_of(channel, letter),
     }
+}
 
-    /// `$AXES`
-    pub(crate) fn axes_text(&self) -> String {
-        self.six_axes().into_iter().map(|axis| self.axis_letter(axis)).collect()
+/// Channel axes of the six elements of `$AXES`: X Y Z, two rotary ones, and one more.
+pub(crate) fn six_axes(place: &Place) -> [Option<AxisSlot>; 6] {
+    let mut rotary = place.layout.axes.entries().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
+    let cartesian = place.layout.cartesian;
+    let [x, y, z] = cartesian;
+    let (fourth, fifth) = (rotary.next(), rotary.next());
+    let mut others = place.layout.axes.entries().filter(|(_, axis)| !axis.rotary).map(|(at, _)| at);
+    let sixth = others.find(|at| !cartesian.contains(&Some(*at))).or_else(|| rotary.next());
+    [x, y, z, fourth, fifth, sixth]
+}
+
+/// Letter of a channel axis in `$AXES`.
+pub(crate) fn axis_letter(place: &Place, axis: Option<AxisSlot>) -> char {
+    let axis = axis.map(|axis| &place.layout.axes[axis]);
+    match axis.map(|axis| axis.data.kind()) {
+        Some(DataKind::Axis(letter)) => letter,
+        _ => '*',
     }
+}
+
+/// `$AXES`
+pub(crate) fn axes_text(place: &Place) -> String {
+    six_axes(place).into_iter().map(|axis| axis_letter(place, axis)).collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use super::super::travel::End;
-use super::{Read, Write};
+use super::{Read, Write, positions};
 use crate::channel::Kernel;
 use crate::macros::store::names;
 use crate::state::modal::{feed_of, group};
@@ -170,7 +170,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| switch_diameter(k, value)))
         }
         "$HEAD" => (head, None),
-        "$AXES" => (|k, _| Value::text(k.axes_text()), None),
+        "$AXES" => (|k, _| Value::text(positions::axes_text(&k.channel.state.place)), None),
         "$RAPID" => (
             |k, _| Value::Logical(k.channel.state.modal.code(group::MOTION) == Some(codes::RAPID)),
             Some(|k, _, value| {
