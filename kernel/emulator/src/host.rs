@@ -10,15 +10,11 @@ mod dialogs;
 mod files;
 mod functions;
 mod kinematics;
-pub(crate) mod operations;
 pub(crate) mod preprocessor;
 mod rotary;
 mod search;
-pub(crate) mod sums;
 mod system;
-pub(crate) mod tools;
 mod trace;
-pub(crate) mod travel;
 pub(crate) mod variables;
 
 use counterpoint_lang::diag::{Diagnostic, Number};

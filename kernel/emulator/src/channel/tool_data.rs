@@ -9,6 +9,7 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::macros::store::column;
+use crate::macros::tool_table::sort_column;
 use crate::state::channel::Channel;
 use crate::state::frames::offsets::Radii;
 use crate::state::modal::group;
@@ -39,22 +40,22 @@ impl Kernel<'_> {
     #[cold]
     pub(crate) fn report_tools(&mut self) {
         for at in 0.. {
-            let Some(tool) = self.macros.tools.loaded.get(at).copied() else { break };
+            let Some(tool) = self.macros.tools.loaded().get(at).copied() else { break };
             self.report_tool_data(self.tool_data(tool));
         }
     }
 
     /// The program is over: the order of its tools, if `$TLSORT` asks for one.
     pub(crate) fn report_order(&mut self) {
-        if std::mem::take(&mut self.macros.tools.changed) {
+        if self.macros.tools.take_changed() {
             self.report_tools();
         }
-        let column = self.tool_sort().abs();
+        let column = sort_column(&self.macros.variables.store).abs();
         if column == 0 {
             return;
         }
-        for (place, at) in (1..).zip(self.sorted_tools(column)) {
-            let tool = self.macros.tools.loaded.get(usize::from(at)).copied();
+        for (place, at) in (1..).zip(self.macros.tools.sorted(&self.macros.variables.store, column)) {
+            let tool = self.macros.tools.loaded().get(usize::from(at)).copied();
             if let Some(tool) = tool {
                 self.report_tool_data(ToolData { place, ..self.tool_data(tool) });
             }
@@ -77,7 +78,7 @@ impl Kernel<'_> {
     fn tool_data(&self, tool: u32) -> ToolData {
         let facts = self.channel.env.machine.tool.facts(tool);
         let before = self.channel.state.others.tools.reported.get(&tool);
-        let written = |column| self.tool_cell(tool, column);
+        let written = |column| self.macros.tools.cell(&self.macros.variables.store, tool, column);
         let number = |column| written(column).and_then(Value::as_real).filter(|value| value.is_finite());
         let (diameter, radius) =
             if tool == self.channel.state.place.tools.current { offset_in_force(&self.channel) } else { (None, None) };

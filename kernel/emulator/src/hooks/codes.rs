@@ -41,7 +41,7 @@ impl Kernel<'_> {
     pub(crate) fn begin_codes(&mut self, origin: Origin) {
         self.head_sequence();
         if let Some(number) = self.channel.block.sequence {
-            self.macros.books.last_sequence = number;
+            self.macros.books.note_sequence(number);
         }
         self.channel.block.next = 0;
         let mark = self.macros.block.mark.filter(|_| origin == Origin::Text);

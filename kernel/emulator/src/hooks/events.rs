@@ -8,17 +8,16 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::macros::calls::Task;
+use crate::macros::runtime::Runtime;
 use crate::macros::store::column;
 use crate::macros::store::names;
+use crate::macros::tool_table::MOST_TOOLS;
 use crate::state::channel::Channel;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use counterpoint_fault as diag;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_results::geometry::Loop;
-
-/// Rows of the tool table with the dummy tool (reference system-variables.md 13).
-const MOST_TOOLS: usize = 200;
 
 impl Kernel<'_> {
     /// A motion on a kernel with macros.
@@ -180,24 +179,17 @@ impl Kernel<'_> {
 
     /// Assigns a row of the tool table to a loaded tool, with the name set for it.
     fn tool_row(&mut self, tool: u32) {
-        let clock = self.channel.now();
-        let runtime = &mut *self.macros;
-        let known = runtime.tools.loaded.iter().position(|known| *known == tool);
-        let at = known.unwrap_or(runtime.tools.loaded.len());
-        if known.is_none() {
-            if at + 1 >= MOST_TOOLS {
-                let text = format!("the tool table is full: it has {MOST_TOOLS} rows");
-                return self.diagnose(&diag::TOOL_TABLE, text);
-            }
-            runtime.tools.loaded.push(tool);
-            self.fill_tool_row(tool, at as i64 + 2);
-        }
-        let runtime = &mut *self.macros;
-        let (names, store) = (names(), &mut runtime.variables.store);
-        let row = at as i64 + 2;
-        runtime.books.tool_sums.switch(at + 2, clock);
+        let (facts, clock) = (self.channel.env.machine.tool.facts(tool), self.channel.now());
+        let Runtime { tools, books, variables, .. } = &mut *self.macros;
+        let (names, store) = (names(), &mut variables.store);
+        let Some(at) = tools.load(store, tool, facts) else {
+            let text = format!("the tool table is full: it has {MOST_TOOLS} rows");
+            return self.diagnose(&diag::TOOL_TABLE, text);
+        };
+        let row = at as i64;
+        books.switch_tool(at, clock);
         store.set(names.tool_row, Value::Real(row as f64));
-        store.set(names.tool_rows, Value::Real(runtime.tools.loaded.len() as f64 + 1.0));
+        store.set(names.tool_rows, Value::Real(tools.loaded().len() as f64 + 1.0));
         let name = store.get(names.tool_name).clone();
         if name.as_text().is_some_and(|name| !name.trim().is_empty()) {
             store.set_element(names.tool_table, (column::NAME, row), name);
@@ -205,7 +197,7 @@ impl Kernel<'_> {
         store.set(names.tool_name, Value::text(""));
         let length = store.element(names.tool_table, (column::LENGTH, row)).and_then(Value::as_real);
         store.set(names.tool_length, Value::Real(length.unwrap_or(0.0)));
-        self.sort_tools();
+        tools.sort(store);
     }
 
     /// Records a loaded tool, and the previous one.
@@ -216,7 +208,8 @@ impl Kernel<'_> {
             store.set(names().first_tool, Value::Real(f64::from(tool)));
         }
         self.tool_row(tool);
-        self.operation_of_tool();
+        let Runtime { books, variables, .. } = &mut *self.macros;
+        books.begin_with_tool(&self.channel, &variables.store);
     }
 
     /// Writes a motion down for the tables of tools and operations.
@@ -228,18 +221,19 @@ impl Kernel<'_> {
             *time += seconds;
         }
         runtime.variables.store.moving += crate::state::channel::nanoseconds(seconds);
-        self.sum_motion(rapid == 1, seconds, motion.length);
-        self.note_travel(motion);
+        runtime.books.sum_motion(&self.channel.state.spindle.command, rapid == 1, (seconds, motion.length));
+        runtime.books.note_travel(&self.channel, motion);
     }
 
     /// Records the time of moves at feed beyond that of their lengths, ns.
     pub(crate) fn book_more(&mut self, ns: i64) {
-        let (store, seconds) = (&mut self.macros.variables.store, ns as f64 / 1e9);
+        let Runtime { books, variables, .. } = &mut *self.macros;
+        let (store, seconds) = (&mut variables.store, ns as f64 / 1e9);
         if let Some(time) = store.times.first_mut() {
             *time += seconds;
         }
         store.moving += ns;
-        self.sum_motion(false, seconds, 0.0);
+        books.sum_motion(&self.channel.state.spindle.command, false, (seconds, 0.0));
     }
 
     /// The tool event itself.

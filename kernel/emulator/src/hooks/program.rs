@@ -97,9 +97,10 @@ impl Kernel<'_> {
             (*self.channel.state.threads, *self.channel.state.skip) =
                 (Threads::new(self.channel.env.machine), Probing::default());
             let runtime = &mut *self.macros;
-            (runtime.variables.store.counts, runtime.books.operations) = Default::default();
+            runtime.variables.store.counts = Default::default();
+            runtime.books.forget_operations();
             runtime.variables.store.listed.clear();
-            runtime.tools.loaded.clear();
+            runtime.tools.clear();
         }
         self.channel.block.clear();
         if !reset {

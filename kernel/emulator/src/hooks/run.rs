@@ -12,7 +12,6 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, State};
 
 use crate::channel::Kernel;
-use crate::host::travel;
 use crate::host::variables::positions;
 use crate::macros::calls::{Task, unwinding};
 use crate::macros::runtime::Runtime;
@@ -49,7 +48,7 @@ impl Kernel<'_> {
         let kernels = self.channel.env.machine.channels.len() + usize::from(self.components.is_composite());
         let mut runtime = Runtime::new(macros, program, self.channel.kernel_number(), (kernels, memory));
         runtime.arguments.slots = positions::six_axes(&self.channel.state.place);
-        runtime.books.columns = travel::travel_columns(&self.channel);
+        runtime.books.set_columns(&self.channel);
         let (extension, store) =
             (self.channel.env.machine.subprograms.extension.as_str(), &mut runtime.variables.store);
         store.set(names().extension, Value::text(extension));
@@ -138,8 +137,7 @@ impl Kernel<'_> {
             return Err(halt);
         }
         let halt = if inside { None } else { runtime.calls.halt.take() };
-        if runtime.tools.changed && !inside {
-            runtime.tools.changed = false;
+        if !inside && runtime.tools.take_changed() {
             self.report_tools();
         }
         halt.map_or(Ok(outputs), Err)

@@ -10,6 +10,7 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
+use crate::macros::books::operations::operation_name;
 use crate::macros::calls::Task;
 use crate::state::burden::{RESULT, shortened};
 use counterpoint_event::event::{Diagnostic, Kind, Origin};
@@ -165,7 +166,7 @@ impl Kernel<'_> {
     /// Counts and logs.
     fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
         self.channel.count_error(severity);
-        self.macros.books.operations.diagnosed(severity);
+        self.macros.books.diagnosed(severity);
         let class = match severity {
             0..=3 => 0,
             4..=7 => 1,
@@ -180,7 +181,7 @@ impl Kernel<'_> {
             store.listed.push(number);
         }
         let text: String = shortened(text).chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        let operation = self.operation_name().into();
+        let operation = operation_name(&self.macros.variables.store).into();
         let kernel = self.kernel_name().into();
         self.channel.burden.result(text.len() + RESULT);
         let unrecognised = self.channel.reports.take_unrecognised(number, &text);

@@ -13,6 +13,7 @@ pub(crate) mod reused;
 pub mod runtime;
 pub(crate) mod settings;
 pub mod store;
+pub(crate) mod tool_table;
 pub(crate) mod values;
 
 pub use calls::STACK;

@@ -24,17 +24,6 @@ pub(crate) struct Modes {
     pub(crate) data_codes: Vec<(DataId, u16)>,
 }
 
-/// The tool tables.
-#[derive(Debug, Default)]
-pub(crate) struct Tools {
-    /// Tools loaded so far; the first row of the tool table is the dummy tool.
-    pub(crate) loaded: Vec<u32>,
-    /// The rows of the tool tables as macros see them, by place in `loaded`; empty while that is their order.
-    pub(crate) order: Vec<u16>,
-    /// Macros have written facts of a tool that are not reported yet.
-    pub(crate) changed: bool,
-}
-
 /// Global and system variables.
 #[derive(Debug, Default)]
 pub struct Variables {

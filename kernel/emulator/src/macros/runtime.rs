@@ -11,8 +11,9 @@ use super::calls::Calls;
 use super::context::BlockContext;
 use super::hooks::Hooks;
 use super::issued::Issued;
-use super::parts::{Arguments, Course, DiagnosticChanges, Modes, Outside, Reading, Tools, Variables};
+use super::parts::{Arguments, Course, DiagnosticChanges, Modes, Outside, Reading, Variables};
 use super::store::Store;
+use super::tool_table::ToolTable;
 use counterpoint_machine::macros::model::{Hook, Macros};
 
 /// Macros of one kernel.
@@ -27,7 +28,7 @@ pub struct Runtime {
     pub issued: Issued,
     pub(crate) modes: Modes,
     pub(crate) books: Books,
-    pub(crate) tools: Tools,
+    pub(crate) tools: ToolTable,
     /// System variables and globals of the kernel.
     pub variables: Variables,
     pub(crate) diagnostics: DiagnosticChanges,

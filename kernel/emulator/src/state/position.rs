@@ -81,6 +81,17 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
+    /// Channel axis with this letter.
+    pub(crate) fn axis_of_letter(&self, machine: &Machine, letter: char) -> Option<AxisSlot> {
+        let role = "XYZ".find(letter).and_then(|at| self.cartesian.get(at).copied().flatten());
+        role.or_else(|| {
+            self.axes.find(|axis| {
+                let own = &machine.axes[axis.machine].letter;
+                own.len() == 1 && own.starts_with(letter)
+            })
+        })
+    }
+
     /// Whether the axis is not X, Y or Z: a rotary or parallel axis.
     pub(crate) fn is_beside(&self, axis: AxisSlot) -> bool {
         !self.cartesian.contains(&Some(axis))

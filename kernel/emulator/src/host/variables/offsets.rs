@@ -252,7 +252,9 @@ impl Kernel<'_> {
 }
 
 fn which(channel: &Channel<'_>, argument: Option<&Value>) -> Outcome<Which> {
-    let axis = |at: usize| LETTERS.get(at).and_then(|letter| positions::axis_of(channel, *letter));
+    let axis = |at: usize| {
+        LETTERS.get(at).and_then(|letter| channel.state.place.layout.axis_of_letter(channel.env.machine, *letter))
+    };
     match argument {
         None => Ok(Which::Six),
         Some(Value::Keyword(code)) => {
@@ -277,9 +279,13 @@ fn which(channel: &Channel<'_>, argument: Option<&Value>) -> Outcome<Which> {
 fn axes_of(channel: &Channel<'_>, which: &Which) -> Vec<Option<AxisSlot>> {
     match which {
         Which::Six => positions::six_axes(&channel.state.place).to_vec(),
-        Which::All => {
-            (0..ALL_AXES).map(|at| LETTERS.get(at).and_then(|letter| positions::axis_of(channel, *letter))).collect()
-        }
+        Which::All => (0..ALL_AXES)
+            .map(|at| {
+                LETTERS
+                    .get(at)
+                    .and_then(|letter| channel.state.place.layout.axis_of_letter(channel.env.machine, *letter))
+            })
+            .collect(),
         Which::One(axis) => vec![*axis],
     }
 }

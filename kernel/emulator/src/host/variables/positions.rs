@@ -62,17 +62,6 @@ impl Kernel<'_> {
     }
 }
 
-/// Channel axis with this letter.
-pub(crate) fn axis_of(channel: &Channel<'_>, letter: char) -> Option<AxisSlot> {
-    let role = "XYZ".find(letter).and_then(|at| channel.state.place.layout.cartesian.get(at).copied().flatten());
-    role.or_else(|| {
-        channel.state.place.layout.axes.find(|axis| {
-            let own = &channel.env.machine.axes[axis.machine].letter;
-            own.len() == 1 && own.starts_with(letter)
-        })
-    })
-}
-
 /// Channel axis of a name.
 fn axis_at(channel: &Channel<'_>, place: AxisPosition) -> Option<AxisSlot> {
     let find = |ids: &[DataId]| ids.iter().find_map(|id| channel.axis_of_data(*id));
@@ -88,7 +77,7 @@ fn axis_at(channel: &Channel<'_>, place: AxisPosition) -> Option<AxisSlot> {
         'N' => find(&[data::AXIS_N]),
         'D' => find(&[data::AXIS_N2]),
         'E' => find(&[data::AXIS_E]),
-        letter => axis_of(channel, letter),
+        letter => channel.state.place.layout.axis_of_letter(channel.env.machine, letter),
     }
 }
 

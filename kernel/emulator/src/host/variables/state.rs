@@ -4,9 +4,11 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
-use super::super::travel::End;
 use super::{Read, Write, positions};
 use crate::channel::Kernel;
+use crate::macros::books::operations::set_operation_value;
+use crate::macros::books::travel::End;
+use crate::macros::runtime::Runtime;
 use crate::macros::store::names;
 use crate::state::modal::{feed_of, group};
 use counterpoint_event::event::FeedUnit;
@@ -139,12 +141,20 @@ fn kept(kernel: &Kernel<'_>, index: u32) -> Option<f64> {
 fn travel<const TOOLS: bool>(end: End) -> (Read, Option<Write>) {
     match end {
         End::Low => (
-            |k, at| k.travel_value(TOOLS, End::Low, at),
-            Some(|k, at, value| k.set_travel_value(TOOLS, End::Low, at, value)),
+            |k, at| k.macros.books.travel_value(&k.macros.tools, TOOLS, End::Low, at),
+            Some(|k, at, value| {
+                let Runtime { tools, books, .. } = &mut *k.macros;
+                books.set_travel_value(tools, TOOLS, End::Low, (at, value));
+                Ok(())
+            }),
         ),
         End::High => (
-            |k, at| k.travel_value(TOOLS, End::High, at),
-            Some(|k, at, value| k.set_travel_value(TOOLS, End::High, at, value)),
+            |k, at| k.macros.books.travel_value(&k.macros.tools, TOOLS, End::High, at),
+            Some(|k, at, value| {
+                let Runtime { tools, books, .. } = &mut *k.macros;
+                books.set_travel_value(tools, TOOLS, End::High, (at, value));
+                Ok(())
+            }),
         ),
     }
 }
@@ -249,35 +259,50 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             |k, _| Value::text(k.stored_text(names().operation_name)),
             Some(|k, _, value| {
                 let name = value.as_text().unwrap_or("").to_owned();
-                k.name_operation(&name);
+                let Runtime { books, variables, .. } = &mut *k.macros;
+                books.name_operation(&k.channel, &variables.store, &name);
                 k.store(names().operation_name, || Value::text(name));
                 Ok(())
             }),
         ),
-        "$OI" | "$OPSIZ" => (|k, _| number(k.macros.books.operations.row() as u32), None),
+        "$OI" | "$OPSIZ" => (|k, _| number(k.macros.books.operation_row() as u32), None),
         "$FOI" => (
-            |k, _| number(k.first_operation() as u32),
+            |k, _| number(k.macros.books.first_operation() as u32),
             Some(|k, _, value| {
-                k.set_first_operation(value.as_real().unwrap_or(0.0));
+                k.macros.books.set_first_operation(value.as_real().unwrap_or(0.0));
                 Ok(())
             }),
         ),
-        "$OPTAB" => (|k, at| k.operation_value(at), Some(|k, at, value| k.set_operation_value(at, value))),
+        "$OPTAB" => (
+            |k, at| {
+                let Runtime { tools, books, variables, .. } = &*k.macros;
+                books.operation_value(tools, &variables.store, k.channel.now(), at)
+            },
+            Some(|k, at, value| set_operation_value(&mut k.macros.variables.store, at, value)),
+        ),
         "$TLMIN" => travel::<true>(End::Low),
         "$TLMAX" => travel::<true>(End::High),
         "$OPMIN" => travel::<false>(End::Low),
         "$OPMAX" => travel::<false>(End::High),
-        "$TLTAB" => (|k, at| k.tool_table_value(at), Some(|k, at, value| k.set_tool_table_value(at, value))),
-        "$TI" => (|k, _| number(kept(k, names().tool_row).map_or(1.0, |row| k.seen_tool_row(row))), None),
+        "$TLTAB" => (
+            |k, at| k.macros.tools.value(&k.macros.variables.store, at),
+            Some(|k, at, value| {
+                let Runtime { tools, variables, .. } = &mut *k.macros;
+                tools.set_value(&mut variables.store, at, value)
+            }),
+        ),
+        "$TI" => (|k, _| number(kept(k, names().tool_row).map_or(1.0, |row| k.macros.tools.seen_row(row))), None),
         "$TLSORT" => (
             |k, _| number(kept(k, names().tool_sort).unwrap_or(0.0)),
             Some(|k, _, value| {
-                k.set_tool_sort(value);
+                k.store(names().tool_sort, || value.clone());
+                let Runtime { tools, variables, .. } = &mut *k.macros;
+                tools.sort(&variables.store);
                 Ok(())
             }),
         ),
-        "$TLSUM" => (|k, at| k.sum_value(true, at), None),
-        "$OPSUM" => (|k, at| k.sum_value(false, at), None),
+        "$TLSUM" => (|k, at| k.macros.books.sum_value(&k.macros.tools, true, k.channel.now(), at), None),
+        "$OPSUM" => (|k, at| k.macros.books.sum_value(&k.macros.tools, false, k.channel.now(), at), None),
         "$VMTIME" => (|k, _| Value::Real(k.channel.now() as f64 / 1e9), None),
         _ => return None,
     };

@@ -1,7 +1,9 @@
 //! Records of a kernel for the tables that macros read: operations, times, travel.
+//!
+//! *Invariant:* the records change only by the methods of [`Books`].
 
 pub(crate) mod operations;
-pub(crate) mod sums;
+mod sums;
 pub(crate) mod travel;
 
 use counterpoint_event::event::MAX_AXES;
@@ -13,17 +15,39 @@ use travel::Travel;
 #[derive(Debug, Default)]
 pub(crate) struct Books {
     /// Operations of the program.
-    pub(crate) operations: Operations,
+    operations: Operations,
     /// `$TLSUM`
-    pub(crate) tool_sums: Sums,
+    tool_sums: Sums,
     /// `$OPSUM`
-    pub(crate) operation_sums: Sums,
+    operation_sums: Sums,
     /// `$TLMIN`, `$TLMAX`
-    pub(crate) tool_travel: Travel,
+    tool_travel: Travel,
     /// `$OPMIN`, `$OPMAX`
-    pub(crate) operation_travel: Travel,
+    operation_travel: Travel,
     /// Column of each axis of the channel in those.
-    pub(crate) columns: [Option<usize>; MAX_AXES],
+    columns: [Option<usize>; MAX_AXES],
     /// Sequence number of the last block that had one.
-    pub(crate) last_sequence: u32,
+    last_sequence: u32,
+}
+
+impl Books {
+    /// The block has this sequence number.
+    pub(crate) fn note_sequence(&mut self, number: u32) {
+        self.last_sequence = number;
+    }
+
+    /// A tool is loaded at this clock: its row of the tool table counts from now on.
+    pub(crate) fn switch_tool(&mut self, row: usize, clock: i64) {
+        self.tool_sums.switch(row, clock);
+    }
+
+    /// The program starts again: it has no operations.
+    pub(crate) fn forget_operations(&mut self) {
+        self.operations = Operations::default();
+    }
+
+    /// Notes the severity of a diagnostic in the current operation.
+    pub(crate) fn diagnosed(&mut self, severity: u8) {
+        self.operations.diagnosed(severity);
+    }
 }

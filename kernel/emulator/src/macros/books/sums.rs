@@ -5,6 +5,13 @@
 //! any), taken at the ends of motions. *Invariant:* row 1 is neither a tool nor an operation; every second belongs to
 //! one row, waiting to the third column. Decision: the feed per minute of a motion is its length by its time.
 
+use counterpoint_lang::value::Value;
+
+use super::Books;
+use crate::macros::tool_table::ToolTable;
+use counterpoint_event::event::Direction;
+use counterpoint_sync::shared::Command;
+
 /// The content of one row.
 #[derive(Debug, Clone, Copy)]
 struct Sum {
@@ -92,5 +99,23 @@ impl Sums {
             6 => sum.speeds.0,
             _ => sum.speeds.1,
         }
+    }
+}
+
+impl Books {
+    /// Notes a motion of some seconds and length.
+    pub(crate) fn sum_motion(&mut self, command: &Command, rapid: bool, amount: (f64, f64)) {
+        let turning = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
+        let speed = if turning && !command.css { command.rpm } else { 0.0 };
+        self.tool_sums.motion(rapid, amount, speed);
+        self.operation_sums.motion(rapid, amount, speed);
+    }
+
+    /// `$TLSUM(column,row)`, or `$OPSUM`, at this clock, ns.
+    pub(crate) fn sum_value(&self, tools: &ToolTable, of_tools: bool, clock: i64, at: &[i64]) -> Value {
+        let (column, row) = (at.first().copied().unwrap_or(0), at.get(1).copied().unwrap_or(0));
+        let row = if of_tools { tools.kept_row(row) } else { row };
+        let sums = if of_tools { &self.tool_sums } else { &self.operation_sums };
+        Value::Real(sums.value(column, row, clock))
     }
 }

@@ -4,8 +4,18 @@
 //! B C as heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decision: positions are
 //! those of `$XM`, arcs with their extremes. *Invariant:* an axis that has not moved in a row has no position there.
 
+use counterpoint_lang::value::Value;
+
+use super::Books;
+use crate::macros::tool_table::ToolTable;
+use crate::state::channel::Channel;
+use counterpoint_event::event::{Motion, MotionKind};
+use counterpoint_machine::ident::{DataId, data};
+use counterpoint_machine::index::{AxisSlot, BySlot};
+use counterpoint_results::geometry::Round;
+
 /// Columns of the tables.
-pub(crate) const COLUMNS: usize = 15;
+pub(super) const COLUMNS: usize = 15;
 
 /// Smallest and largest position of each column.
 pub(crate) type Row = [[Option<f64>; 2]; COLUMNS];
@@ -62,6 +72,114 @@ impl Travel {
         };
         if let Some(range) = ranges.get_mut(column) {
             *range = common;
+        }
+    }
+}
+
+/// Data of the axes of the columns.
+const AXES: [DataId; COLUMNS] = [
+    data::AXIS_X,
+    data::AXIS_Y,
+    data::AXIS_Z,
+    data::AXIS_U,
+    data::AXIS_V,
+    data::AXIS_W,
+    data::AXIS_AT,
+    data::AXIS_BT,
+    data::AXIS_CT,
+    data::AXIS_AH,
+    data::AXIS_BH,
+    data::AXIS_CH,
+    data::AXIS_E,
+    data::AXIS_N,
+    data::AXIS_N2,
+];
+
+/// Which end of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum End {
+    Low,
+    High,
+}
+
+/// Place of a column and of a row by the numbers of a macro.
+fn place(at: &[i64]) -> Option<(usize, usize)> {
+    let index = |at: Option<&i64>| usize::try_from(*at?).ok()?.checked_sub(1);
+    Some((index(at.first())?, index(at.get(1))?))
+}
+
+/// A second table about Z takes the place of the first one where that is missing.
+fn second_table(channel: &Channel<'_>, id: DataId) -> Option<AxisSlot> {
+    channel.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
+}
+
+fn travel_place(tools: &ToolTable, of_tools: bool, at: &[i64]) -> Option<(usize, usize)> {
+    match at {
+        [column, row] if of_tools => place(&[*column, tools.kept_row(*row)]),
+        _ => place(at),
+    }
+}
+
+impl Books {
+    /// Finds the column of each axis of the channel, none for those that the tables do not have.
+    pub(crate) fn set_columns(&mut self, channel: &Channel<'_>) {
+        for (column, id) in AXES.into_iter().enumerate() {
+            let axis = channel.axis_of_data(id).or_else(|| second_table(channel, id));
+            if let Some(axis) = axis {
+                *self.columns.at_mut(axis) = Some(column);
+            }
+        }
+    }
+
+    /// Notes where a motion leads.
+    pub(crate) fn note_travel(&mut self, channel: &Channel<'_>, motion: &Motion) {
+        self.note_offsets(channel, motion.moving);
+        let axes = || {
+            let info = channel.env.info;
+            info.channel(channel.at.channel).map_or(&[][..], |one| one.axes.as_slice())
+        };
+        let is_straight = matches!(motion.kind, MotionKind::Rapid | MotionKind::Linear);
+        let round = if is_straight { None } else { Round::of(motion, axes()).map(|round| (round, axes())) };
+        let preset = channel.state.place.preset;
+        let rows = [self.tool_sums.row_number(), self.operation_sums.row_number()];
+        let ends = motion.from.iter().zip(&motion.to).zip(&preset).zip(&self.columns);
+        for (axis, (((from, to), preset), column)) in ends.enumerate() {
+            let (mut low, mut high) = (from.min(*to), from.max(*to));
+            if let Some((round, axes)) = round {
+                for at in round.reversals(axes, axis) {
+                    (low, high) = (low.min(at), high.max(at));
+                }
+            }
+            let Some(column) = column.filter(|_| low < high) else { continue };
+            let way = (low + preset, high + preset);
+            self.tool_travel.add(rows[0], column, way);
+            self.operation_travel.add(rows[1], column, way);
+        }
+    }
+
+    /// `$TLMIN(column,row)` and the others.
+    pub(crate) fn travel_value(&self, tools: &ToolTable, of_tools: bool, end: End, at: &[i64]) -> Value {
+        let travel = if of_tools { &self.tool_travel } else { &self.operation_travel };
+        let found = travel_place(tools, of_tools, at).and_then(|(column, row)| {
+            let [low, high] = travel.rows.get(row)?.get(column)?;
+            if end == End::Low { *low } else { *high }
+        });
+        // Digits of arcs after the ninth were not programmed.
+        found.map_or(Value::Null, |value| Value::Real((value * 1e9).round() / 1e9))
+    }
+
+    /// Writes one of them.
+    pub(crate) fn set_travel_value(
+        &mut self,
+        tools: &ToolTable,
+        of_tools: bool,
+        end: End,
+        (at, value): (&[i64], &Value),
+    ) {
+        let Some((column, row)) = travel_place(tools, of_tools, at) else { return };
+        let travel = if of_tools { &mut self.tool_travel } else { &mut self.operation_travel };
+        if let Some([low, high]) = travel.row(row).and_then(|row| row.get_mut(column)) {
+            *(if end == End::Low { low } else { high }) = value.as_real();
         }
     }
 }

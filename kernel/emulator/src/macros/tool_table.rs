@@ -1,0 +1,146 @@
+//! The tool table as macros see it: `$TLTAB`, `$TLSORT`, `$TI`.
+//!
+//! Facts: reference system-variables.md 13. Invariants: rows are kept in the order of the first loads, row 1 is not a
+//! tool; only the view of macros is in the order of `$TLSORT`. Decisions: the rows are sorted when `$TLSORT` is
+//! assigned and when a tool is loaded; numbers come before texts, rows without a value last, equal rows by their loads.
+
+use std::cmp::Ordering;
+
+use counterpoint_lang::fault::Outcome;
+use counterpoint_lang::value::Value;
+
+use super::store::{Store, column, names};
+use counterpoint_machine::model::ToolFacts;
+
+/// The machine's data of a loaded tool, by column.
+fn known(tool: u32, facts: Option<&ToolFacts>) -> [(i64, Option<Value>); 6] {
+    let number = |value: Option<f64>| value.map(Value::Real);
+    [
+        (column::NUMBER, Some(Value::Real(f64::from(tool)))),
+        (column::ID, Some(Value::Real(f64::from(tool)))),
+        (column::OFFSET, facts.and_then(|facts| facts.offset).map(|offset| Value::Real(f64::from(offset)))),
+        (column::LENGTH, number(facts.and_then(|facts| facts.length))),
+        (column::DIAMETER, number(facts.and_then(|facts| facts.diameter))),
+        (column::NAME, facts.filter(|facts| !facts.name.is_empty()).map(|facts| Value::text(facts.name.as_str()))),
+    ]
+}
+
+fn rank(value: Option<&Value>) -> u8 {
+    match value {
+        Some(Value::Real(_)) => 0,
+        Some(Value::Text(text)) if !text.trim().is_empty() => 1,
+        _ => 2,
+    }
+}
+
+fn compare(a: Option<&Value>, b: Option<&Value>) -> Ordering {
+    rank(a).cmp(&rank(b)).then_with(|| match (a, b) {
+        (Some(Value::Real(a)), Some(Value::Real(b))) => a.total_cmp(b),
+        (Some(Value::Text(a)), Some(Value::Text(b))) => a.as_str().cmp(b.as_str()),
+        _ => Ordering::Equal,
+    })
+}
+
+/// Rows of the tool table with the dummy tool (reference system-variables.md 13).
+pub(crate) const MOST_TOOLS: usize = 200;
+
+/// The rows of the tool table: which tools they are, and their order.
+#[derive(Debug, Default)]
+pub(crate) struct ToolTable {
+    /// Tools loaded so far; the first row of the tool table is the dummy tool.
+    loaded: Vec<u32>,
+    /// The rows of the tool tables as macros see them, by place in `loaded`; empty while that is their order.
+    order: Vec<u16>,
+    /// Macros have written facts of a tool that are not reported yet.
+    changed: bool,
+}
+
+impl ToolTable {
+    /// Tools loaded so far.
+    pub(crate) fn loaded(&self) -> &[u32] {
+        &self.loaded
+    }
+
+    /// Forgets the loaded tools.
+    pub(crate) fn clear(&mut self) {
+        self.loaded.clear();
+    }
+
+    /// Whether macros have written facts of a tool since the last call.
+    pub(crate) fn take_changed(&mut self) -> bool {
+        std::mem::take(&mut self.changed)
+    }
+
+    /// A cell of the row of a loaded tool, if it has a value.
+    pub(crate) fn cell<'s>(&self, store: &'s Store, tool: u32, column: i64) -> Option<&'s Value> {
+        let at = self.loaded.iter().position(|known| *known == tool)?;
+        store.element(names().tool_table, (column, at as i64 + 2))
+    }
+
+    /// The row of a tool. A new row gets the machine's data; values that macros have written there stay. None if the
+    /// table is full.
+    pub(crate) fn load(&mut self, store: &mut Store, tool: u32, facts: Option<&ToolFacts>) -> Option<usize> {
+        if let Some(at) = self.loaded.iter().position(|known| *known == tool) {
+            return Some(at + 2);
+        }
+        let row = self.loaded.len() + 2;
+        if row > MOST_TOOLS {
+            return None;
+        }
+        self.loaded.push(tool);
+        for (column, value) in known(tool, facts) {
+            let Some(value) = value else { continue };
+            let (table, place) = (names().tool_table, (column, row as i64));
+            if column == column::NUMBER || store.element(table, place).is_none() {
+                store.set_element(table, place, value);
+            }
+        }
+        Some(row)
+    }
+
+    /// Tools by the values of a column: places among the first loads.
+    pub(crate) fn sorted(&self, store: &Store, column: i64) -> Vec<u16> {
+        let mut order: Vec<u16> = (0..).take(self.loaded.len()).collect();
+        let cell = |at: u16| store.element(names().tool_table, (column, i64::from(at) + 2));
+        order.sort_by(|a, b| compare(cell(*a), cell(*b)));
+        order
+    }
+
+    /// Puts the rows that macros see in the order of `$TLSORT`.
+    pub(crate) fn sort(&mut self, store: &Store) {
+        let column = sort_column(store);
+        self.order = if column > 0 { self.sorted(store, column) } else { Vec::new() };
+    }
+
+    /// The row that is kept, of one that macros name.
+    pub(crate) fn kept_row(&self, row: i64) -> i64 {
+        let at = usize::try_from(row).ok().and_then(|row| row.checked_sub(2)).and_then(|at| self.order.get(at));
+        at.map_or(row, |at| i64::from(*at) + 2)
+    }
+
+    /// The row that macros see, of one that is kept.
+    pub(crate) fn seen_row(&self, row: f64) -> f64 {
+        self.order.iter().position(|at| f64::from(*at) + 2.0 == row).map_or(row, |at| at as f64 + 2.0)
+    }
+
+    fn place(&self, at: &[i64]) -> (i64, i64) {
+        (at.first().copied().unwrap_or(0), self.kept_row(at.get(1).copied().unwrap_or(0)))
+    }
+
+    /// `$TLTAB(column,row)`
+    pub(crate) fn value(&self, store: &Store, at: &[i64]) -> Value {
+        store.element(names().tool_table, self.place(at)).cloned().unwrap_or(Value::Null)
+    }
+
+    /// Writes it.
+    pub(crate) fn set_value(&mut self, store: &mut Store, at: &[i64], value: &Value) -> Outcome<()> {
+        let place = self.place(at);
+        self.changed |= matches!(place.0, column::LENGTH | column::DIAMETER | column::NAME);
+        store.keep_element(names().tool_table, place, value.clone())
+    }
+}
+
+/// `$TLSORT` as a column: 0 for none, negative for the listing only.
+pub(crate) fn sort_column(store: &Store) -> i64 {
+    store.get(names().tool_sort).as_real().map_or(0, |column| column as i64)
+}
