@@ -198,6 +198,22 @@ impl Programs {
 }
 
 impl Flow {
+    /// The frame being executed.
+    pub(crate) fn frame(&mut self) -> Option<&mut Frame> {
+        self.frames.last_mut()
+    }
+
+    /// The callee, as events name it.
+    pub(crate) fn name_of(&mut self, what: &Callee) -> Arc<str> {
+        match what {
+            Callee::Program(number) | Callee::ProgramFrom(number, _) => self.known.names.of(*number),
+            Callee::Named(name) => format!("<{name}>").into(),
+            Callee::Labels(first, last) => format!("label {first}-{last}").into(),
+            Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
+            Callee::From(first) => format!("N{first}").into(),
+        }
+    }
+
     /// Subprograms that are running.
     pub(crate) fn level(&self) -> usize {
         self.frames.len().saturating_sub(1)

@@ -239,7 +239,7 @@ impl Kernel<'_> {
         if self.is_too_late(state, "SEARCH") {
             return Ok(());
         }
-        let Some((first, last)) = self.frame().map(|frame| (frame.range.first, frame.range.last)) else {
+        let Some((first, last)) = self.flow.frame().map(|frame| (frame.range.first, frame.range.last)) else {
             return Ok(());
         };
         let wanted = u32::try_from(number).ok().filter(|line| (first..=last.saturating_add(1)).contains(line));
@@ -248,13 +248,13 @@ impl Kernel<'_> {
             return Err(Fault::new(Number::OUT_OF_RANGE, text));
         };
         if line > self.channel.at.line {
-            if let Some(frame) = self.frame() {
+            if let Some(frame) = self.flow.frame() {
                 frame.next = line;
             }
             return Ok(());
         }
         if line == self.channel.at.line {
-            if let Some(frame) = self.frame() {
+            if let Some(frame) = self.flow.frame() {
                 frame.next = line + 1;
             }
             return Ok(());

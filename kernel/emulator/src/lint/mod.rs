@@ -117,7 +117,7 @@ impl Walk<'_, '_> {
     fn text(&mut self) -> Result<Option<Arc<[u8]>>, Halt> {
         let kernel = &mut *self.kernel;
         let sources = kernel.channel.env.sources;
-        let Some(frame) = kernel.frame() else { return Err(Halt::ProgramEnd(None)) };
+        let Some(frame) = kernel.flow.frame() else { return Err(Halt::ProgramEnd(None)) };
         let (file, line, caller) = (frame.file, frame.next, frame.caller);
         if line > frame.range.last {
             return kernel.text_ends().map(|()| None);
@@ -183,7 +183,7 @@ impl Walk<'_, '_> {
     /// Continues at a block of the program. A place where the program has been with the same callers is one of a loop
     /// without end.
     fn jump(&mut self, target: Spot) -> Acted {
-        let Some(frame) = self.kernel.frame() else { return Ok(()) };
+        let Some(frame) = self.kernel.flow.frame() else { return Ok(()) };
         let back = target < frame.next_block();
         (frame.next, frame.offset) = (target.line, target.offset);
         if back {

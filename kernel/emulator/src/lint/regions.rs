@@ -95,11 +95,11 @@ impl Walk<'_, '_> {
     fn look(&mut self, part: Part, own: bool) -> Result<Looked, Halt> {
         let last = part.last;
         let mut grown = part;
-        if let Some(frame) = self.kernel.frame() {
+        if let Some(frame) = self.kernel.flow.frame() {
             (frame.next, frame.offset) = (part.first, 0);
         }
         loop {
-            let next = self.kernel.frame().filter(|frame| frame.next <= last && frame.next <= frame.range.last);
+            let next = self.kernel.flow.frame().filter(|frame| frame.next <= last && frame.next <= frame.range.last);
             let Some(line) = next.map(|frame| frame.next) else { return Ok(Looked::Clear(grown)) };
             if self.read > MOST {
                 return Ok(Looked::At(line));

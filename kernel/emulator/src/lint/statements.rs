@@ -106,7 +106,7 @@ impl Walk<'_, '_> {
                     self.note_loop();
                 }
                 let next = Spot::line(grown.last.saturating_add(1)).max(end);
-                if let Some(frame) = self.kernel.frame().filter(|frame| next > frame.next_block()) {
+                if let Some(frame) = self.kernel.flow.frame().filter(|frame| next > frame.next_block()) {
                     (frame.next, frame.offset) = (next.line, next.offset);
                 }
                 Ok(())

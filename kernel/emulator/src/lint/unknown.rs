@@ -17,7 +17,7 @@ const BLOCK_HOOKS: [Hook; 4] =
 impl Walk<'_, '_> {
     /// Reports the unknown words of all blocks of the main program, those that no walk can reach included.
     pub(super) fn report_unknown_of_program(&mut self) -> Acted {
-        let Some(frame) = self.kernel.frame() else { return Ok(()) };
+        let Some(frame) = self.kernel.flow.frame() else { return Ok(()) };
         let part = Part { first: frame.next, last: frame.range.last };
         let read = self.read;
         let stands = self.stand();
@@ -29,7 +29,7 @@ impl Walk<'_, '_> {
 
     fn report_unknown_in(&mut self, part: Part) -> Acted {
         loop {
-            let next = self.kernel.frame().map(|frame| frame.next).filter(|next| *next <= part.last);
+            let next = self.kernel.flow.frame().map(|frame| frame.next).filter(|next| *next <= part.last);
             if next.is_none() || self.read > super::MOST {
                 return Ok(());
             }

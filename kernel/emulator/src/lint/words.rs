@@ -71,7 +71,7 @@ impl Walk<'_, '_> {
         if let Some(name) = computed.iter().find(|name| self.decides(name)) {
             return Err(self.lost(&format!("the value of {name} is computed")));
         }
-        let called = self.kernel.categorise() || self.kernel.calls_each_block();
+        let called = self.kernel.categorise() || self.kernel.flow.calls_each_block(&self.kernel.channel.block);
         self.report_unknown(Certain { calls: called, computed: !computed.is_empty() });
         self.kernel.sort();
         let acting = self.acting();
@@ -163,7 +163,7 @@ impl Walk<'_, '_> {
         if computed.iter().any(|name| self.decides(name)) {
             return Ok(Meant::Meet);
         }
-        let called = self.kernel.categorise() || self.kernel.calls_each_block();
+        let called = self.kernel.categorise() || self.kernel.flow.calls_each_block(&self.kernel.channel.block);
         self.report_unknown(Certain { calls: called, computed: !computed.is_empty() });
         let acting = self.acting();
         if !called && acting.is_empty() {

@@ -25,7 +25,7 @@ impl Kernel<'_> {
     #[inline]
     pub(crate) fn codes(&mut self, origin: Origin) -> Acted {
         let hooks = self.plan.hooks;
-        if origin == Origin::Text && (self.categorise() || self.calls_each_block()) {
+        if origin == Origin::Text && (self.categorise() || self.flow.calls_each_block(&self.channel.block)) {
             return self.macro_call();
         }
         self.check_known()?;

@@ -57,7 +57,7 @@ impl Kernel<'_> {
         (self.plan.actions.cut_contour)(self, cycle, reading)?;
         if named.is_none() && self.comes_next(first) {
             let after = self.after(last);
-            if let Some(frame) = self.frame() {
+            if let Some(frame) = self.flow.frame() {
                 (frame.next, frame.offset) = (after.line, after.offset);
             }
         }
@@ -81,7 +81,7 @@ impl Kernel<'_> {
     /// Where the blocks are: the first ones of these numbers in the program, the last one not before the first.
     fn contour_blocks(&mut self, (first, last): (u32, u32)) -> Option<(Spot, Spot)> {
         let sources = self.channel.env.sources;
-        let (file, range) = self.frame().map(|frame| (frame.file, frame.range))?;
+        let (file, range) = self.flow.frame().map(|frame| (frame.file, frame.range))?;
         let source = sources.get(file)?;
         let from = |number, after: Spot| {
             let spots = source.sequences(number).iter();
@@ -94,7 +94,7 @@ impl Kernel<'_> {
     /// Whether nothing but blank lines and comments is between this block and the contour.
     fn comes_next(&mut self, first: Spot) -> bool {
         let sources = self.channel.env.sources;
-        let Some((file, next)) = self.frame().map(|frame| (frame.file, frame.next_block())) else { return false };
+        let Some((file, next)) = self.flow.frame().map(|frame| (frame.file, frame.next_block())) else { return false };
         let Some(source) = sources.get(file) else { return false };
         first >= next && (next.line..first.line).all(|line| !source.has_text(line))
     }
@@ -103,7 +103,7 @@ impl Kernel<'_> {
     fn run_contour(&mut self, first: Spot, last: Spot, what: Callee, back: Option<u8>) -> Acted {
         self.check_nesting(|| what.to_string())?;
         let here = self.channel.at.file;
-        let file = self.frame().map_or(here, |frame| frame.file);
+        let file = self.flow.frame().map_or(here, |frame| frame.file);
         let back = back.map(|off| Box::new((self.channel.programmed(), off)));
         let range = Range { number: None, first: first.line, last: last.line };
         let name = match &what {
@@ -119,7 +119,7 @@ impl Kernel<'_> {
 
     /// The contour has been run: the tool goes back, as moves of the cycle. Axes that go off the part are first.
     pub(crate) fn end_contour(&mut self, (back, off): &(Position, u8)) -> Acted {
-        if let Some(place) = self.frame().map(|frame| {
+        if let Some(place) = self.flow.frame().map(|frame| {
             let line = if frame.offset == 0 { frame.next.saturating_sub(1) } else { frame.next };
             BlockPlace { file: frame.file, line, caller: frame.caller }
         }) {
@@ -138,10 +138,10 @@ impl Kernel<'_> {
 
     /// Reads the contour.
     fn read_contour(&mut self, first: Spot, last: Spot) -> Result<Reading, Halt> {
-        let next = self.frame().map(|frame| (frame.next, frame.offset));
+        let next = self.flow.frame().map(|frame| (frame.next, frame.offset));
         self.reading(None, |kernel| {
             let done = kernel.read_blocks(first, last);
-            if let (Some(frame), Some(next)) = (kernel.frame(), next) {
+            if let (Some(frame), Some(next)) = (kernel.flow.frame(), next) {
                 (frame.next, frame.offset) = next;
             }
             done
@@ -218,15 +218,17 @@ impl Kernel<'_> {
 
     /// Reads the blocks from the first to the last one.
     fn read_blocks(&mut self, first: Spot, last: Spot) -> Acted {
-        if let Some(frame) = self.frame() {
+        if let Some(frame) = self.flow.frame() {
             (frame.next, frame.offset) = (first.line, first.offset);
         }
         let sources = self.channel.env.sources;
         loop {
-            let Some((file, here)) = self.frame().map(|frame| (frame.file, frame.next_block())) else { return Ok(()) };
+            let Some((file, here)) = self.flow.frame().map(|frame| (frame.file, frame.next_block())) else {
+                return Ok(());
+            };
             let Some(source) = sources.get(file).filter(|_| (first..=last).contains(&here)) else { return Ok(()) };
             self.count_as_block()?;
-            if let Some(frame) = self.frame() {
+            if let Some(frame) = self.flow.frame() {
                 frame.next = here.line + 1;
             }
             let text = source.line(here.line);
@@ -245,10 +247,10 @@ impl Kernel<'_> {
                 self.pass_long_comment(source, here.line, text)?;
             }
             (self.macros.block.text, self.macros.block.left) = (None, None);
-            let next = self.frame().map(|frame| frame.next_block());
+            let next = self.flow.frame().map(|frame| frame.next_block());
             self.block(text)?;
             self.channel.check_stop()?;
-            if self.flow.pending.take().is_some() || self.frame().map(|frame| frame.next_block()) != next {
+            if self.flow.pending.take().is_some() || self.flow.frame().map(|frame| frame.next_block()) != next {
                 let text = format!("a contour has no call, return, end or jump: '{}'", self.block_text());
                 return Err(self.alarm(&diag::CONTOUR_CODE, text));
             }

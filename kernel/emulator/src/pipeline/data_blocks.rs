@@ -17,7 +17,7 @@ impl Kernel<'_> {
     /// Continues after the block that ends the data.
     pub(crate) fn pass_data_blocks(&mut self) -> Acted {
         let sources = self.channel.env.sources;
-        let Some((file, next, last)) = self.frame().map(|frame| (frame.file, frame.next, frame.range.last)) else {
+        let Some((file, next, last)) = self.flow.frame().map(|frame| (frame.file, frame.next, frame.range.last)) else {
             return Ok(());
         };
         let Some(source) = sources.get(file) else { return Ok(()) };
@@ -34,7 +34,7 @@ impl Kernel<'_> {
             Some(end) => format!("the data of '{}' are not kept: lines {next} to {end} set nothing", self.block_text()),
             None => format!("no G11 ends the data of '{}'; they are not kept", self.block_text()),
         };
-        if let Some(frame) = self.frame()
+        if let Some(frame) = self.flow.frame()
             && let Some(end) = end
         {
             (frame.next, frame.offset) = (end + 1, 0);

@@ -22,7 +22,7 @@ impl Kernel<'_> {
             return false;
         }
         let info = self.channel.env.info;
-        let Some((file, range, name)) = self.frame().map(|f| (f.file, f.range, f.name.to_string())) else {
+        let Some((file, range, name)) = self.flow.frame().map(|f| (f.file, f.range, f.name.to_string())) else {
             return false;
         };
         let next = self
@@ -35,7 +35,7 @@ impl Kernel<'_> {
             info.channels.iter().any(|c| !c.program.is_empty() && c.file == file && c.lines.1 == next.last)
         };
         let Some(next) = next.filter(|next| !runs_elsewhere(next)) else { return false };
-        if let Some(frame) = self.frame() {
+        if let Some(frame) = self.flow.frame() {
             frame.range.last = next.last;
         }
         if self.first_time(file, next.first) {

@@ -16,11 +16,6 @@ use counterpoint_machine::model::MainReturn;
 use counterpoint_program::spot::Spot;
 
 impl Kernel<'_> {
-    /// The frame being executed.
-    pub(crate) fn frame(&mut self) -> Option<&mut Frame> {
-        self.flow.frames.last_mut()
-    }
-
     /// Executes the block's deferred call, return or end.
     #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
@@ -38,7 +33,7 @@ impl Kernel<'_> {
             if self.flow.modal_text && std::mem::take(&mut self.channel.block.flags.moved) {
                 self.with_interpreter(|interpreter, kernel| interpreter.on_move(kernel));
             }
-            self.call_modally();
+            self.flow.call_modally(&mut self.channel.block);
         }
         match self.flow.pending.take() {
             None => Ok(()),
@@ -108,7 +103,7 @@ impl Kernel<'_> {
             self.dialect.variables.enter(&arguments);
         }
         let (repeats, by) = (passes.saturating_sub(1), by.map(|by| by.kind));
-        let text = Frame::main(file, range, self.name_of(&what));
+        let text = Frame::main(file, range, self.flow.name_of(&what));
         self.enter(Frame { repeats, own_variables, modal, called, by, ..text });
         Ok(())
     }
@@ -134,17 +129,6 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// The callee, as events name it.
-    fn name_of(&mut self, what: &Callee) -> Arc<str> {
-        match what {
-            Callee::Program(number) | Callee::ProgramFrom(number, _) => self.flow.known.names.of(*number),
-            Callee::Named(name) => format!("<{name}>").into(),
-            Callee::Labels(first, last) => format!("label {first}-{last}").into(),
-            Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
-            Callee::From(first) => format!("N{first}").into(),
-        }
-    }
-
     /// Blocks from the first one with a sequence number or label to the next one with another, both included, in the
     /// current file (reference control-emulator.md 5.7).
     fn call_range(&mut self, what: Callee, passes: u32) -> Acted {
@@ -164,7 +148,7 @@ impl Kernel<'_> {
             return self.program_missing(text);
         };
         let repeats = passes.saturating_sub(1);
-        let text = Frame::main(file, range, self.name_of(&what));
+        let text = Frame::main(file, range, self.flow.name_of(&what));
         self.enter(Frame { repeats, closes: true, called, ..text });
         Ok(())
     }
@@ -183,7 +167,7 @@ impl Kernel<'_> {
     fn check_levels(&mut self, is_macro: bool, what: &Callee) -> Acted {
         let levels = self.channel.env.machine.subprograms.levels;
         let all = self.flow.frames.len();
-        let macros = self.call_level();
+        let macros = self.flow.call_level();
         let deep = |own: usize, limit: Option<u16>| limit.filter(|limit| own > usize::from(*limit));
         let own = if is_macro { deep(macros + 1, levels.macros) } else { None };
         let (facts, limit, kind) = if let Some(limit) = own {
@@ -242,7 +226,7 @@ impl Kernel<'_> {
                     self.flow.modal.keep(caller, self.dialect.variables.locals());
                 }
                 self.dialect.variables.leave();
-                let level = self.call_level();
+                let level = self.flow.call_level();
                 self.flow.modal.leave(level);
             }
             self.interpreter_return();
@@ -273,7 +257,7 @@ impl Kernel<'_> {
         }
         match self.channel.env.machine.subprograms.main_return {
             MainReturn::Restart => {
-                let first = self.frame().map_or(1, |f| f.range.first);
+                let first = self.flow.frame().map_or(1, |f| f.range.first);
                 self.flow.loops = dialect::Loops::default();
                 self.jump_to_line(first)
             }
@@ -300,7 +284,7 @@ impl Kernel<'_> {
     /// The block with a sequence number: searches forward first, then from the top of the program.
     pub(crate) fn find_sequence(&mut self, number: u32) -> Result<Spot, Halt> {
         let sources = self.channel.env.sources;
-        let frame = self.frame().map(|frame| (frame.file, frame.range, frame.next_block()));
+        let frame = self.flow.frame().map(|frame| (frame.file, frame.range, frame.next_block()));
         let found = frame.and_then(|(file, range, next)| {
             let blocks = sources.get(file).map_or(&[][..], |source| source.sequences(number));
             let last = Spot { line: range.last, offset: u32::MAX };
@@ -319,7 +303,7 @@ impl Kernel<'_> {
 
     /// The same for a block of a line.
     pub(crate) fn jump_to(&mut self, target: Spot) -> Acted {
-        let Some(frame) = self.frame() else { return Ok(()) };
+        let Some(frame) = self.flow.frame() else { return Ok(()) };
         // After a return this is the line of the call.
         let from = if frame.offset > 0 { frame.next } else { frame.next.saturating_sub(1) };
         let back = target < frame.next_block();

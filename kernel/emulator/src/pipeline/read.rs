@@ -44,7 +44,7 @@ impl Kernel<'_> {
             return done;
         }
         let sources = self.channel.env.sources;
-        let Some(frame) = self.frame() else { return Err(Halt::ProgramEnd(None)) };
+        let Some(frame) = self.flow.frame() else { return Err(Halt::ProgramEnd(None)) };
         let (file, line, caller) = (frame.file, frame.next, frame.caller);
         if line > frame.range.last {
             return self.text_ends();
@@ -162,7 +162,7 @@ impl Kernel<'_> {
         self.channel.text.edited = read;
         done?;
         self.follow()?;
-        let goes_on = self.frame().is_some_and(|frame| (frame.file, frame.next) == (file, line + 1));
+        let goes_on = self.flow.frame().is_some_and(|frame| (frame.file, frame.next) == (file, line + 1));
         match self.channel.env.sources.get(file).filter(|_| goes_on) {
             Some(source) => self.rewind_stop(source, line),
             None => Ok(()),

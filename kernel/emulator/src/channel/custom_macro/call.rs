@@ -48,13 +48,13 @@ impl Kernel<'_> {
                 None => self.take_name().map(Callee::Named),
             },
             // A block that only gives the arguments: P and L are arguments, too.
-            None => self.modal_call().map(|call| call.what.clone()),
+            None => self.flow.modal_call().map(|call| call.what.clone()),
         };
         let Some(what) = what else {
             let text = format!("macro call without a program number P in '{}'", self.block_text());
             return Err(self.alarm(&diag::MACRO_CALL, text));
         };
-        let passes = match (words.call, words.count, self.modal_call()) {
+        let passes = match (words.call, words.count, self.flow.modal_call()) {
             (None, _, Some(call)) => call.passes,
             (_, Some(count), _) => self.passes(count).max(1),
             _ => 1,
@@ -63,13 +63,13 @@ impl Kernel<'_> {
         match words.call {
             Some(how @ (MacroCall::AfterMoves | MacroCall::EachBlock)) => {
                 let each = how == MacroCall::EachBlock;
-                let level = self.call_level();
+                let level = self.flow.call_level();
                 self.flow.modal.push(ModalCall { what, passes, arguments, each, level, by });
             }
             how => {
                 let by = by.map(Box::new);
                 if how.is_none() {
-                    self.call_is_modal();
+                    self.flow.call_is_modal();
                 }
                 self.ask(Pending::Call { what, passes, arguments: Some(arguments), by });
             }

@@ -75,7 +75,7 @@ impl Kernel<'_> {
         let plan = self.plan;
         let Some(calls) = plan.code_calls.as_deref() else { return false };
         let has_any = self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
-        if !has_any || self.has_own_call() || self.calls_each_block() {
+        if !has_any || self.has_own_call() || self.flow.calls_each_block(&self.channel.block) {
             return false;
         }
         if let Some((_, call, program, by)) = self.calling_word(calls, true) {

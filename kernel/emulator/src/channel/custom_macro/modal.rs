@@ -8,10 +8,9 @@
 
 use super::code_calls::By;
 use crate::channel::Kernel;
-use crate::channel::flow::Callee;
-use crate::channel::flow::Pending;
+use crate::channel::flow::{Callee, Flow, Pending};
 use counterpoint_dialect::MacroCall;
-use counterpoint_program::block::Word;
+use counterpoint_program::block::{Block, Word};
 
 /// A macro that blocks call.
 #[derive(Debug)]
@@ -98,56 +97,58 @@ impl Kernel<'_> {
         let is_call = |word: &Word| Some(word.register) == self.plan.registers.g && calls(word.value);
         self.channel.block.words.iter().any(is_call)
     }
+}
 
+impl Flow {
     /// Macro calls that are running.
     pub(crate) fn call_level(&self) -> usize {
-        self.flow.frames.iter().filter(|frame| frame.own_variables).count()
+        self.frames.iter().filter(|frame| frame.own_variables).count()
     }
 
     /// The modal call that blocks make here.
     pub(super) fn acting_modal(&self) -> Option<usize> {
-        let (calls, level) = (&self.flow.modal.calls, self.call_level());
+        let (calls, level) = (&self.modal.calls, self.call_level());
         if let Some(own) = calls.iter().rposition(|call| call.level == level) {
             return Some(own);
         }
         // In a macro that a modal call has called, the modal call before that one calls.
-        let caller = self.flow.frames.iter().rev().find(|frame| frame.own_variables)?.modal?;
+        let caller = self.frames.iter().rev().find(|frame| frame.own_variables)?.modal?;
         let before = caller.checked_sub(1)?;
         (calls.get(before)?.level == calls.get(caller)?.level).then_some(before)
     }
 
     /// The same, to look at.
     pub(super) fn modal_call(&self) -> Option<&ModalCall> {
-        self.flow.modal.calls.get(self.acting_modal()?)
+        self.modal.calls.get(self.acting_modal()?)
     }
 
     /// The next call is one that blocks make without saying so.
     pub(super) fn call_is_modal(&mut self) {
-        self.flow.modal.calling = self.acting_modal();
+        self.modal.calling = self.acting_modal();
     }
 
-    /// Whether the words of this block are the arguments of a modal call.
+    /// Whether the words of a block are the arguments of a modal call.
     #[inline(always)]
-    pub(crate) fn calls_each_block(&self) -> bool {
-        !self.flow.modal.is_empty() && self.is_argument_block()
+    pub(crate) fn calls_each_block(&self, block: &Block) -> bool {
+        !self.modal.is_empty() && self.is_argument_block(block)
     }
 
     #[cold]
-    fn is_argument_block(&self) -> bool {
-        self.modal_call().is_some_and(|call| call.each) && !self.channel.block.words.is_empty()
+    fn is_argument_block(&self, block: &Block) -> bool {
+        self.modal_call().is_some_and(|call| call.each) && !block.words.is_empty()
     }
 
-    /// Calls after a block that has moved.
+    /// Calls after a block if that has moved.
     #[cold]
-    pub(crate) fn call_modally(&mut self) {
-        if !self.channel.block.flags.moved {
+    pub(crate) fn call_modally(&mut self, block: &mut Block) {
+        if !block.flags.moved {
             return;
         }
         let Some(call) = self.modal_call().filter(|call| !call.each) else { return };
         let (what, passes) = (call.what.clone(), call.passes);
         let (arguments, by) = (Some(call.arguments.clone()), call.by.map(Box::new));
         self.call_is_modal();
-        self.channel.block.flags.moved = false;
-        self.flow.pending = Some(Pending::Call { what, passes, arguments, by });
+        block.flags.moved = false;
+        self.pending = Some(Pending::Call { what, passes, arguments, by });
     }
 }
