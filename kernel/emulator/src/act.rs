@@ -24,6 +24,7 @@ use counterpoint_dialect::{NotThere, is_vacant};
 use counterpoint_event::event::{Event, Kind, Motion, Position, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
+use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::CodeRow;
 use counterpoint_program::block::{Datum, PendingCode, Word};
 use counterpoint_sync::shared::Command;
@@ -295,7 +296,7 @@ impl Act<'_, '_> {
 
     /// Tools and heads have a macro that is on.
     pub(crate) fn has_tool_macro(&self) -> bool {
-        self.kernel.has_tool_macro()
+        self.kernel.macros.ready(Hook::Tool).is_some()
     }
 
     /// Selects (1) or loads (2) a head.

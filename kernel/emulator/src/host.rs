@@ -88,9 +88,9 @@ impl Variables for Kernel<'_> {
                 Ok(false) => {}
                 Ok(true) => {
                     let halt = self.out_of_memory("GLOBAL variables and files of macros use most of it");
-                    self.keep_halt(halt);
+                    self.macros.calls.stop(halt);
                 }
-                Err(halt) => self.keep_halt(halt),
+                Err(halt) => self.macros.calls.stop(halt),
             }
             return;
         }
@@ -159,7 +159,7 @@ impl Dialog for Kernel<'_> {
         let shown = self.customised_of_macro(number, (diagnostic.severity, stops), diagnostic.message);
         let Some((severity, message)) = shown else { return };
         let what = (number.0, severity);
-        if self.hook(Hook::Diagnostic).is_none() {
+        if self.macros.ready(Hook::Diagnostic).is_none() {
             return self.issue(what, message, origin);
         }
         // A halt raised here surfaces at the macro's next call of the host.

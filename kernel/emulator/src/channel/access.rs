@@ -114,20 +114,8 @@ impl Kernel<'_> {
         Ok(result)
     }
 
-    /// A variable as programs call it.
-    pub(crate) fn variable_name(&self, variable: &Variable) -> String {
-        match variable {
-            Variable::Common(index) => format!("#{index}"),
-            Variable::Named(name) => name.to_string(),
-            Variable::Global(index) => {
-                let name = self.macros.program.globals.get(*index as usize);
-                name.cloned().unwrap_or_else(|| format!("GLOBAL {index}"))
-            }
-        }
-    }
-
     fn report_race(&mut self, variable: &Variable, own: Access, mode: Mode, race: Race) -> Acted {
-        let name = self.variable_name(variable);
+        let name = self.macros.variable_name(variable);
         let does = |wrote| if wrote { "writes" } else { "reads" };
         let place = |access: Access| verdict::place(self.channel.env.info, access.file, access.line);
         let text = format!(

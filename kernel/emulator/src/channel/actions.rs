@@ -103,14 +103,14 @@ impl Kernel<'_> {
 
     fn change_compensation(&mut self, change: CompensationChange) {
         if let Err(halt) = (self.plan.actions.change_compensation)(self, change) {
-            self.keep_halt(halt);
+            self.macros.calls.stop(halt);
         }
     }
 
     /// A macro is about to change offsets: the move that is kept back is made before.
     pub(crate) fn flush_for_macro(&mut self) {
         if let Err(halt) = self.flush_lookahead() {
-            self.keep_halt(halt);
+            self.macros.calls.stop(halt);
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Position words fire the active cycle, or the active motion code.
 
 use super::Kernel;
-use crate::macros::calls::Task;
 use crate::state::modal::group;
 use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
@@ -28,22 +27,12 @@ impl Kernel<'_> {
                 _ => {}
             }
         }
-        if in_machine || !self.channel.cycle_repeats() || self.inside_cycle_macro() {
+        if in_machine || !self.channel.cycle_repeats() || self.macros.calls.inside_cycle_macro() {
             return self.queue_by_data(group::MOTION);
         }
         self.queue_by_data(group::CYCLE);
         if let Some(pending) = self.channel.block.pending.last_mut() {
             pending.order = pending.order.max(IMPLIED_ORDER);
         }
-    }
-
-    /// Whether a macro of a cycle is running: its blocks are the moves of that cycle.
-    fn inside_cycle_macro(&self) -> bool {
-        let calls = self.macros.calls.running.as_slice();
-        calls.iter().any(|call| match &call.task {
-            Task::Code(_, id) => matches!(id.kind(), CodeKind::Cycle(_)) || *id == codes::CYCLE_ON,
-            Task::Cycle(_) => true,
-            _ => false,
-        })
     }
 }

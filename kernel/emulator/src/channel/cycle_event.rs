@@ -15,7 +15,7 @@ use counterpoint_machine::macros::model::Hook;
 impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.
     pub(crate) fn cycle_event(&mut self, hole: &Hole) -> Acted {
-        let Some(code) = self.hook(Hook::Cycle) else { return (self.plan.actions.make_hole)(self, hole) };
+        let Some(code) = self.macros.ready(Hook::Cycle) else { return (self.plan.actions.make_hole)(self, hole) };
         let preset = self.channel.state.place.preset.at(hole.axis);
         let height = |value: Option<f64>| value.map_or(Value::Null, |value| Value::Real(value + preset));
         let reference = self.channel.state.cycle.activator.then_some(self.channel.state.cycle.heights.reference);

@@ -82,7 +82,7 @@ pub(crate) fn may_move(kernel: &Kernel<'_>) -> bool {
 fn no_macro_sees_blocks(kernel: &Kernel<'_>) -> bool {
     let hooks = [Hook::BlockStartup, Hook::BlockShutdown, Hook::PreprocessorShutdown, Hook::Motion];
     kernel.plan.hooks.is_none()
-        || hooks.into_iter().all(|hook| kernel.hook(hook).is_none())
+        || hooks.into_iter().all(|hook| kernel.macros.ready(hook).is_none())
             && kernel.macros.modes.data_codes.is_empty()
             && !kernel.has_embedded(1)
             && !kernel.may_have_remarks()

@@ -37,7 +37,7 @@ impl Kernel<'_> {
         let by_macro = self.macros.diagnostics.severities.get(&number).is_some_and(|(_, on)| *on);
         let on = by_macro || self.channel.env.options.warnings_on.contains(&number);
         // The diagnostic macro sees numbers that are off too.
-        let seen = on || self.hook(Hook::Diagnostic).is_some();
+        let seen = on || self.macros.ready(Hook::Diagnostic).is_some();
         if seen && let Some(rule) = table.rule(number).filter(|rule| !rule.enable) {
             return table.shown(rule, severity, text).or(kept);
         }

@@ -267,7 +267,7 @@ impl Kernel<'_> {
             return Arc::clone(names);
         }
         let read = self.flow.pass.variables.iter().enumerate().filter(|(at, _)| reads >> at & 1 == 1);
-        let names: Vec<String> = read.map(|(_, variable)| self.variable_name(variable)).collect();
+        let names: Vec<String> = read.map(|(_, variable)| self.macros.variable_name(variable)).collect();
         let names: Arc<str> = names.join(", ").into();
         self.flow.pass.names = Some((reads, Arc::clone(&names)));
         names

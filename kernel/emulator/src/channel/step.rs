@@ -96,7 +96,7 @@ impl Kernel<'_> {
             return;
         }
         let Some(variable) = door.variable() else { return };
-        let name = self.variable_name(&variable);
+        let name = self.macros.variable_name(&variable);
         let value = self.ports.coordinator.unordered(|order| match door {
             Door::Common(index) => order.shared.variables.get(&index).copied(),
             _ => None,

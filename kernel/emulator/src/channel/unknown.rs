@@ -54,7 +54,7 @@ impl Kernel<'_> {
         self.channel.check_stop()?;
         let unknown = self.unknown_parts();
         // A macro after the block may take text, but no word.
-        let later = self.hook(Hook::BlockShutdown).is_some();
+        let later = self.macros.ready(Hook::BlockShutdown).is_some();
         let code = unknown.iter().find(|text| self.is_code_word(text)).cloned();
         let first = unknown.into_iter().next().filter(|_| !later);
         if self.channel.env.machine.habits.unknown_alarms {

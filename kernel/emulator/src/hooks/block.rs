@@ -25,13 +25,6 @@ const READERS: [Hook; 4] =
     [Hook::PreprocessorShutdown, Hook::BlockStartup, Hook::SubprogramStartup, Hook::SubprogramShutdown];
 
 impl Kernel<'_> {
-    /// Makes a text the block: a line of the file, or a block that EXEC issued.
-    pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
-        let runtime = &mut *self.macros;
-        runtime.block.begin(text);
-        runtime.variables.store.number = 0;
-    }
-
     /// Block delete around embedded code, embedded code before the pre-processor, Pre-Processor Startup.
     pub(crate) fn edit_block(&mut self) -> Result<Edited, Halt> {
         self.note_mark();
@@ -56,15 +49,10 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// The text of the block, if it is not the line of the file.
-    pub(crate) fn own_text(&self) -> Option<Arc<String>> {
-        self.macros.block.text.clone()
-    }
-
     /// Pre-Processor Shutdown after a statement that made no words; the text that the macro returns becomes the block.
     pub(crate) fn consumed_block(&mut self) -> Acted {
         let made = std::mem::take(&mut self.macros.block.made);
-        if made || self.hook(Hook::PreprocessorShutdown).is_none() {
+        if made || self.macros.ready(Hook::PreprocessorShutdown).is_none() {
             return Ok(());
         }
         self.macros.block.text = Some(Arc::default());
@@ -98,7 +86,8 @@ impl Kernel<'_> {
     pub(crate) fn words_as_text(&mut self) -> Acted {
         self.macros.block.made = true;
         let left = Some(std::mem::take(&mut self.dialect.left.text)).filter(|left| !left.is_empty()).map(Arc::new);
-        let asked = [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.hook(hook).is_some());
+        let asked =
+            [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.macros.ready(hook).is_some());
         if !asked && !self.has_embedded(1) {
             self.macros.block.left = left;
         } else {
@@ -156,12 +145,6 @@ impl Kernel<'_> {
         self.macros.block.text = Some(Arc::new(text));
     }
 
-    /// The scanner to be used in place of the plan's, once a macro has switched a level of block skip.
-    #[inline]
-    pub(crate) fn switched_scanner(&self) -> Option<Arc<Scanner>> {
-        self.macros.reading.switched.clone()
-    }
-
     /// The scanner for the text of the block in process, if not the plan's: text made by the pre-processor undergoes no
     /// block delete.
     #[inline]
@@ -176,7 +159,8 @@ impl Kernel<'_> {
 
     /// `$OPSKIPL`: switches a level of block skip from the next block on.
     pub(crate) fn switch_level(&mut self, level: u8, on: bool) {
-        let before = self.switched_scanner().map_or(self.plan.scanner.levels(), |scanner| scanner.levels());
+        let before =
+            self.macros.reading.switched.clone().map_or(self.plan.scanner.levels(), |scanner| scanner.levels());
         let wanted = if on { before | 1 << level } else { before & !(1 << level) };
         let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
         let (machine, syntax) = (self.channel.env.machine, self.plan.scanner.syntax());

@@ -139,9 +139,9 @@ impl Kernel<'_> {
     /// A code that has been removed from the block: its macro, otherwise its action.
     #[inline(never)]
     pub(crate) fn act_with_macros(&mut self, pending: PendingCode, id: CodeId) -> Acted {
-        let outer = self.set_code(Some(id));
+        let outer = self.macros.block.set_code(Some(id));
         let done = self.run_code(pending, id);
-        self.set_code(outer);
+        self.macros.block.set_code(outer);
         self.report_withheld();
         done
     }
@@ -160,10 +160,6 @@ impl Kernel<'_> {
             self.block_text()
         );
         self.diagnose(&diag::VALUE_WITHHELD, text);
-    }
-
-    pub(crate) fn set_code(&mut self, id: Option<CodeId>) -> Option<CodeId> {
-        std::mem::replace(&mut self.macros.block.code, id)
     }
 
     fn run_code(&mut self, pending: PendingCode, id: CodeId) -> Acted {
@@ -293,7 +289,7 @@ impl Kernel<'_> {
             let Some(code) = self.matching_data_macro(at) else { continue };
             let before = arguments.clone();
             if let Err(halt) = self.run_macro(code, Task::None, &mut arguments) {
-                self.keep_halt(halt);
+                self.macros.calls.stop(halt);
                 break;
             }
             self.check_result(&before, &mut arguments);
@@ -368,7 +364,7 @@ impl Kernel<'_> {
     /// # Errors
     /// It made the kernel leave its program.
     pub fn plain_macro(&mut self, hook: counterpoint_machine::macros::model::Hook) -> Result<(), Halt> {
-        match self.hook(hook) {
+        match self.macros.ready(hook) {
             Some(code) => self.run_macro(code, Task::None, &mut []).map(|_| ()),
             None => Ok(()),
         }

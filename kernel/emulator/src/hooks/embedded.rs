@@ -23,7 +23,7 @@ impl Kernel<'_> {
     pub(crate) fn delete_around_code(&mut self) {
         let text = self.text_bytes().into_owned();
         let seen = self.without_code(&text);
-        let (plan, switched) = (self.plan, self.switched_scanner());
+        let (plan, switched) = (self.plan, self.macros.reading.switched.clone());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let Some((active, left)) = scanner.without_deleted(&text, &seen) else { return };
         let left = String::from_utf8_lossy(&left).into_owned();

@@ -23,7 +23,7 @@ impl Kernel<'_> {
     /// A motion on a kernel with macros.
     #[inline(never)]
     pub(crate) fn motion_event(&mut self, seconds: f64, motion: &Motion) -> Acted {
-        let Some(code) = self.hook(Hook::Motion) else { return self.move_to(seconds, motion) };
+        let Some(code) = self.macros.ready(Hook::Motion) else { return self.move_to(seconds, motion) };
         let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
         let kind = match motion.kind {
             MotionKind::ArcCw | MotionKind::ArcCcw | MotionKind::ArcSpace => 1.0,
@@ -152,20 +152,15 @@ impl Kernel<'_> {
 
     /// A tool change on a kernel with macros.
     pub(crate) fn tool_event(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
-        let Some(code) = self.hook(Hook::Tool) else { return self.change_tool(action, tool, offset, ns) };
+        let Some(code) = self.macros.ready(Hook::Tool) else { return self.change_tool(action, tool, offset, ns) };
         let kind = if action == ToolAction::Select { 1.0 } else { 2.0 };
         let mut arguments = [Value::Real(kind), Value::Real(0.0), Value::Real(f64::from(tool))];
         self.run_macro(code, Task::Tool(action, tool, offset, ns), &mut arguments).map(|_| ())
     }
 
-    /// Tools and heads have a macro that is on.
-    pub(crate) fn has_tool_macro(&self) -> bool {
-        self.hook(Hook::Tool).is_some()
-    }
-
     /// A head is selected (1) or loaded (2): the tool event macro sees it with `$P2` 1.
     pub(crate) fn head_event(&mut self, kind: f64, id: u32) -> Acted {
-        let Some(code) = self.hook(Hook::Tool) else { return self.load_head(kind, id) };
+        let Some(code) = self.macros.ready(Hook::Tool) else { return self.load_head(kind, id) };
         let mut arguments = [Value::Real(kind), Value::Real(1.0), Value::Real(f64::from(id))];
         self.run_macro(code, Task::Head(kind, id), &mut arguments).map(|_| ())
     }

@@ -45,7 +45,7 @@ impl Kernel<'_> {
 
     /// Processes a text as a block.
     pub(crate) fn issued_block(&mut self, text: Arc<String>) -> Acted {
-        self.begin_text(Some(text));
+        self.macros.begin_text(Some(text));
         self.block(&[])
     }
 

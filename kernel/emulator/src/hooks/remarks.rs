@@ -37,18 +37,12 @@ impl Kernel<'_> {
 
     /// Whether the block has messages, or comments and messages fire codes.
     pub(crate) fn may_have_remarks(&self) -> bool {
-        !self.channel.block.messages.is_empty() || self.remarks_fire().contains(&true)
-    }
-
-    /// Whether comments, messages fire codes: where no pre-processor takes them off.
-    fn remarks_fire(&self) -> [bool; 2] {
-        let runtime = &*self.macros;
-        runtime.variables.store.preprocessor.taken_off.map(|off| !(off && runtime.block.preprocessed))
+        !self.channel.block.messages.is_empty() || self.macros.remarks_fire().contains(&true)
     }
 
     /// Comments and messages of a text, from left to right.
     fn remarks(&mut self, text: &[u8]) -> Acted {
-        let fires = self.remarks_fire();
+        let fires = self.macros.remarks_fire();
         self.channel.block.messages.clear();
         for (is_message, start, end) in self.plan.scanner.remarks(text) {
             let remark = String::from_utf8_lossy(text.get(start..end).unwrap_or_default()).trim().to_owned();
@@ -72,7 +66,7 @@ impl Kernel<'_> {
 
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {
         self.keep_remark(id, &text);
-        let outer = self.set_code(Some(id));
+        let outer = self.macros.block.set_code(Some(id));
         let done = match self.matching_code_macro(id) {
             Some(code) => {
                 let mut arguments = [code_value(Some(id)), Value::Text(Arc::clone(&text))];
@@ -87,7 +81,7 @@ impl Kernel<'_> {
                 Ok(())
             }
         };
-        self.set_code(outer);
+        self.macros.block.set_code(outer);
         done?;
         self.pending_halt()
     }

@@ -17,7 +17,7 @@ use crate::macros::calls::{Task, unwinding};
 use crate::macros::runtime::Runtime;
 use crate::macros::store::names;
 use counterpoint_event::info::Info;
-use counterpoint_machine::macros::model::{Hook, Macros};
+use counterpoint_machine::macros::model::Macros;
 
 /// Programs and parameters of a job as a command line names them.
 fn command_line(info: &Info) -> String {
@@ -57,12 +57,6 @@ impl Kernel<'_> {
         *self.macros = runtime;
     }
 
-    /// The macro of a hook that may run now.
-    #[inline]
-    pub(crate) fn hook(&self, hook: Hook) -> Option<u16> {
-        self.macros.ready(hook)
-    }
-
     /// Runs a macro; `arguments` hold its `$P` before and after.
     ///
     /// # Errors
@@ -74,7 +68,7 @@ impl Kernel<'_> {
         if self.channel.env.trace.is_some() {
             self.trace_entering(code, selects);
         }
-        let matching = self.begin_macro(code, task);
+        let matching = self.macros.begin_macro(code, task);
         let limit = self.macros.calls.limit_nesting(&mut state);
         let (end, _) = vm::run(&program, &mut state, self, code, arguments);
         state.limits.depth = limit;
@@ -92,18 +86,12 @@ impl Kernel<'_> {
     pub(crate) fn run_embedded(&mut self, code: u16) -> Result<Value, Halt> {
         let Some(mut state) = self.macros.calls.take_state() else { return Ok(Value::Null) };
         let program = Arc::clone(&self.macros.program);
-        let matching = self.begin_macro(code, Task::None);
+        let matching = self.macros.begin_macro(code, Task::None);
         let limit = self.macros.calls.limit_nesting(&mut state);
         let (end, value) = vm::run(&program, &mut state, self, code, &mut []);
         state.limits.depth = limit;
         self.macro_ended(state, code, matching, end)?;
         Ok(value)
-    }
-
-    /// Notes that a macro starts; returns whether macros matched before.
-    fn begin_macro(&mut self, code: u16, task: Task) -> bool {
-        self.macros.calls.begin(code, task);
-        std::mem::replace(&mut self.macros.hooks.matching, true)
     }
 
     fn macro_ended(&mut self, mut state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {
@@ -147,11 +135,6 @@ impl Kernel<'_> {
     fn macros_out_of_memory(&mut self, largest: &str) -> Halt {
         let share = self.channel.shares().macros;
         self.out_of_memory(&format!("macros of this kernel keep more than {share} bytes, most of them in {largest}"))
-    }
-
-    /// Keeps a reason to leave the program until the caller of the block can act on it.
-    pub(crate) fn keep_halt(&mut self, halt: Halt) {
-        self.macros.calls.stop(halt);
     }
 
     /// Lets the kernel work while a macro is running: its state lies here meanwhile.

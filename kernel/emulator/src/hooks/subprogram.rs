@@ -42,7 +42,7 @@ impl Kernel<'_> {
         found: Found,
         level: usize,
     ) -> Result<Option<Found>, Halt> {
-        let Some(code) = self.hook(Hook::SubprogramStartup) else { return Ok(Some(found)) };
+        let Some(code) = self.macros.ready(Hook::SubprogramStartup) else { return Ok(Some(found)) };
         let mut arguments = self.call_arguments(called, pass, found, level);
         let (file, offset) = (arguments[8].clone(), arguments[9].clone());
         self.run_macro(code, Task::None, &mut arguments)?;
@@ -69,7 +69,7 @@ impl Kernel<'_> {
         place: (FileId, Range),
         level: usize,
     ) -> Acted {
-        let Some(code) = self.hook(Hook::SubprogramShutdown) else { return Ok(()) };
+        let Some(code) = self.macros.ready(Hook::SubprogramShutdown) else { return Ok(()) };
         let mut arguments = self.call_arguments(called, pass, Some(place), level);
         self.run_macro(code, Task::None, &mut arguments).map(|_| ())
     }

@@ -47,14 +47,14 @@ impl Kernel<'_> {
 
     pub(crate) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
         match command {
-            Command::Match(on) => self.match_macros(on),
-            Command::MatchAgain => self.match_macros(true),
+            Command::Match(on) => self.macros.match_macros(on),
+            Command::MatchAgain => self.macros.match_macros(true),
             Command::Output(arguments) => self.output(state, arguments)?,
             Command::ExecBlock(now, text) => self.exec_text(state, now, text)?,
             Command::ExecItems(now, items) => self.exec_items(state, now, items)?,
             Command::TapeRead => self.tape_read(state)?,
             Command::TapeWrite => {
-                let text = self.stored_text(names().mcdrd);
+                let text = self.macros.variables.store.text(names().mcdrd);
                 self.exec_text(state, true, &text)?;
             }
             Command::Search(number) => self.search_record(state, number)?,
@@ -88,13 +88,6 @@ impl Kernel<'_> {
             Command::System(text) => return self.system_command(state, text),
         }
         Ok(0)
-    }
-
-    /// Whether macros match the blocks and codes that the running macro issues from here on.
-    fn match_macros(&mut self, on: bool) {
-        if let Some(call) = self.macros.calls.innermost() {
-            call.matching = on;
-        }
     }
 
     fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {

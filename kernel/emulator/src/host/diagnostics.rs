@@ -137,7 +137,7 @@ impl Kernel<'_> {
         let [_, number, severity, _, text] = &arguments;
         let came = Arc::new([number.clone(), severity.clone(), text.clone()]);
         match self.run_macro(code, Task::Diagnostic(came), &mut arguments) {
-            Err(halt) => self.keep_halt(halt),
+            Err(halt) => self.macros.calls.stop(halt),
             // OUTPUT has issued it already.
             Ok(1..) => {}
             Ok(0) => {
@@ -199,7 +199,7 @@ impl Kernel<'_> {
         if arguments.len() > 1 {
             let wanted = number(arguments.get(1)).filter(|severity| *severity < 100);
             let wanted = wanted.ok_or_else(|| Fault::new(Number::OUT_OF_RANGE, "a severity is 0 to 99"))?;
-            self.set_state_of(index, (wanted as u8, on));
+            self.macros.diagnostics.severities.insert(index, (wanted as u8, on));
         }
         Ok(Value::Real(f64::from(severity)))
     }
@@ -210,7 +210,7 @@ impl Kernel<'_> {
             return Value::Logical(false);
         };
         if let Some(wanted) = arguments.get(1).and_then(Value::as_logical) {
-            self.set_state_of(index, (severity, wanted));
+            self.macros.diagnostics.severities.insert(index, (severity, wanted));
         }
         Value::Logical(on)
     }
@@ -226,9 +226,5 @@ impl Kernel<'_> {
         let changed = self.macros.diagnostics.severities.get(&number).copied();
         let on = || self.channel.env.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
         Some(changed.unwrap_or_else(|| (severity, on())))
-    }
-
-    fn set_state_of(&mut self, number: u32, state: (u8, bool)) {
-        self.macros.diagnostics.severities.insert(number, state);
     }
 }

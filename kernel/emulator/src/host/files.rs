@@ -51,7 +51,7 @@ impl Kernel<'_> {
     /// Works on the files that macros have written, in its turn.
     pub(crate) fn job_files<R>(&mut self, mode: Mode, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
         self.access(Door::File, mode, |shared| work(&mut shared.files)).map_err(|halt| {
-            self.keep_halt(halt);
+            self.macros.calls.stop(halt);
             FAILED
         })
     }
@@ -108,7 +108,7 @@ impl Shelf for Kernel<'_> {
         })?;
         if over {
             let halt = self.out_of_memory("files that macros have written use most of it");
-            self.keep_halt(halt);
+            self.macros.calls.stop(halt);
             return Err(FAILED);
         }
         done.map_err(|text| {

@@ -202,7 +202,7 @@ impl Kernel<'_> {
         match found {
             Some(Ok(value)) => value.unwrap_or(Value::Null),
             Some(Err(halt)) => {
-                self.keep_halt(halt);
+                self.macros.calls.stop(halt);
                 Value::Null
             }
             None => Value::Null,
@@ -218,7 +218,7 @@ impl Kernel<'_> {
         match set {
             Some(Ok(set)) => set,
             Some(Err(halt)) => {
-                self.keep_halt(halt);
+                self.macros.calls.stop(halt);
                 false
             }
             None => false,

@@ -170,11 +170,6 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Text of a kept variable.
-    pub(crate) fn stored_text(&self, index: u32) -> String {
-        self.macros.variables.store.get(index).as_text().unwrap_or("").to_owned()
-    }
-
     /// Sets a kept variable, if there are macros.
     pub(crate) fn store(&mut self, index: u32, value: impl FnOnce() -> Value) {
         if self.plan.hooks.is_some() {

@@ -14,7 +14,8 @@ use counterpoint_lang::vm::{Limits, State};
 
 use crate::state::cycle::Hole;
 use counterpoint_event::event::{Motion, ToolAction};
-use counterpoint_machine::ident::CodeId;
+use counterpoint_machine::ident::kind::CodeKind;
+use counterpoint_machine::ident::{CodeId, codes};
 use counterpoint_machine::macros::system;
 use counterpoint_program::block::PendingCode;
 
@@ -118,6 +119,16 @@ impl Calls {
         state.channel = u32::from(kernel).max(1);
         state.channels = u32::try_from(kernels).unwrap_or(1).max(1);
         Self { state: Some(Box::new(state)), ..Self::default() }
+    }
+
+    /// Whether a macro of a cycle is running: its blocks are the moves of that cycle.
+    pub(crate) fn inside_cycle_macro(&self) -> bool {
+        let calls = self.running.as_slice();
+        calls.iter().any(|call| match &call.task {
+            Task::Code(_, id) => matches!(id.kind(), CodeKind::Cycle(_)) || *id == codes::CYCLE_ON,
+            Task::Cycle(_) => true,
+            _ => false,
+        })
     }
 
     /// Follows a program after it has grown.

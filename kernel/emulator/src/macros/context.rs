@@ -49,4 +49,9 @@ impl BlockContext {
         let inner = Self { preprocessed: self.preprocessed, made: self.made, mark: self.mark, ..Self::default() };
         std::mem::replace(self, inner)
     }
+
+    /// Sets `$CECODE`; returns its value before.
+    pub(crate) fn set_code(&mut self, id: Option<CodeId>) -> Option<CodeId> {
+        std::mem::replace(&mut self.code, id)
+    }
 }

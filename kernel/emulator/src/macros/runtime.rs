@@ -7,7 +7,7 @@ use std::sync::Arc;
 use counterpoint_lang::compile::Program;
 
 use super::books::Books;
-use super::calls::Calls;
+use super::calls::{Calls, Task};
 use super::context::BlockContext;
 use super::hooks::Hooks;
 use super::issued::Issued;
@@ -15,6 +15,7 @@ use super::parts::{Arguments, Course, DiagnosticChanges, Modes, Outside, Reading
 use super::store::Store;
 use super::tool_table::ToolTable;
 use counterpoint_machine::macros::model::{Hook, Macros};
+use counterpoint_sync::races::Variable;
 
 /// Macros of one kernel.
 #[derive(Debug, Default)]
@@ -66,5 +67,41 @@ impl Runtime {
     #[inline]
     pub(crate) fn ready(&self, hook: Hook) -> Option<u16> {
         self.hooks.of(hook).filter(|&code| !self.calls.is_busy(code))
+    }
+
+    /// Makes a text the block: a line of the file, or a block that EXEC issued.
+    pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
+        self.block.begin(text);
+        self.variables.store.number = 0;
+    }
+
+    /// Notes that a macro starts; returns whether macros matched before.
+    pub(crate) fn begin_macro(&mut self, code: u16, task: Task) -> bool {
+        self.calls.begin(code, task);
+        std::mem::replace(&mut self.hooks.matching, true)
+    }
+
+    /// Whether macros match the blocks and codes that the running macro issues from here on.
+    pub(crate) fn match_macros(&mut self, on: bool) {
+        if let Some(call) = self.calls.innermost() {
+            call.matching = on;
+        }
+    }
+
+    /// A variable as programs call it.
+    pub(crate) fn variable_name(&self, variable: &Variable) -> String {
+        match variable {
+            Variable::Common(index) => format!("#{index}"),
+            Variable::Named(name) => name.to_string(),
+            Variable::Global(index) => {
+                let name = self.program.globals.get(*index as usize);
+                name.cloned().unwrap_or_else(|| format!("GLOBAL {index}"))
+            }
+        }
+    }
+
+    /// Whether comments, messages fire codes: where no pre-processor takes them off.
+    pub(crate) fn remarks_fire(&self) -> [bool; 2] {
+        self.variables.store.preprocessor.taken_off.map(|off| !(off && self.block.preprocessed))
     }
 }

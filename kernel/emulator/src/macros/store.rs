@@ -150,6 +150,11 @@ impl Store {
         self.values.get(index as usize).unwrap_or(&Value::Null)
     }
 
+    /// The text of a single variable, empty if it is not a text.
+    pub(crate) fn text(&self, index: u32) -> String {
+        self.get(index).as_text().unwrap_or("").to_owned()
+    }
+
     /// All values.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Value> {
         self.values.iter().chain(self.elements.values())

@@ -117,7 +117,7 @@ impl Programs for Kernel<'_> {
     }
 
     fn each_block(&self, line: &[u8], visit: &mut dyn FnMut(usize, &[u8], Names<'_>)) {
-        let (plan, switched) = (self.plan, self.switched_scanner());
+        let (plan, switched) = (self.plan, self.macros.reading.switched.clone());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let (mut stripped, mut scratch) = (Vec::new(), Block::default());
         for offset in scanner.block_starts(line) {

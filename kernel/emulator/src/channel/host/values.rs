@@ -72,11 +72,11 @@ impl Values for Kernel<'_> {
     }
 
     fn identifies(&self) -> bool {
-        self.hook(Hook::Identification).is_some()
+        self.macros.ready(Hook::Identification).is_some()
     }
 
     fn identify(&mut self, text: &str, assigned: Option<&Value>) -> Result<Answer, Halt> {
-        let Some(code) = self.hook(Hook::Identification) else { return Ok(Answer::Unknown) };
+        let Some(code) = self.macros.ready(Hook::Identification) else { return Ok(Answer::Unknown) };
         self.ask_identification(code, text, assigned.cloned().unwrap_or(Value::Null))
     }
 }

@@ -31,7 +31,7 @@ fn turns(command: &Command) -> bool {
 /// Changes the command of the channel's spindle.
 fn set(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Outcome<()> {
     if let Err(halt) = kernel.set_spindle(change) {
-        kernel.keep_halt(halt);
+        kernel.macros.calls.stop(halt);
     }
     Ok(())
 }

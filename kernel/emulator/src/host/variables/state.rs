@@ -256,7 +256,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$OPNAME" => (
-            |k, _| Value::text(k.stored_text(names().operation_name)),
+            |k, _| Value::text(k.macros.variables.store.text(names().operation_name)),
             Some(|k, _, value| {
                 let name = value.as_text().unwrap_or("").to_owned();
                 let Runtime { books, variables, .. } = &mut *k.macros;
