@@ -14,7 +14,7 @@ from .errors import FieldError, JobFailed, Refused, UnknownMachine, Unreachable
 from .timeline import Bar, Channel, Timeline, draw
 from .v1.jobs_pb2 import JobLimits, JobOptions, JobStatus
 from .watching import Event, Progress, print_progress
-from .words import cause_name, first_error, limit_name, state_name
+from .words import cause_name, first_error, limit_name, operator_wait, state_name
 
 __all__ = [
     "Bar",
@@ -35,6 +35,7 @@ __all__ = [
     "draw",
     "first_error",
     "limit_name",
+    "operator_wait",
     "print_progress",
     "state_name",
 ]

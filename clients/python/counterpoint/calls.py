@@ -12,7 +12,7 @@ import grpc
 from .errors import Refused, Unreachable, refused
 from .reach import why
 from .settings import TOKEN, Settings
-from .v1 import blobs_pb2_grpc, jobs_pb2_grpc, machines_pb2_grpc, results_pb2_grpc
+from .v1 import blobs_pb2_grpc, jobs_pb2_grpc, machines_pb2_grpc, operator_pb2_grpc, results_pb2_grpc
 
 T = TypeVar("T")
 #: Time for the answer to a call that ends at a given time, s.
@@ -60,6 +60,7 @@ class Calls:
         self._blobs = blobs_pb2_grpc.BlobsStub(self._channel)
         self._results = results_pb2_grpc.ResultsStub(self._channel)
         self._machines = machines_pb2_grpc.MachinesStub(self._channel)
+        self._operator = operator_pb2_grpc.OperatorStub(self._channel)
         try:
             grpc.channel_ready_future(self._channel).result(timeout=reach)
         except grpc.FutureTimeoutError:

@@ -6,13 +6,14 @@ from typing import Iterable, Iterator, List, Mapping, Optional, Union
 
 import grpc
 
+from .dialogs import Dialogs
 from .errors import Refused, UnknownMachine
 from .files import Files, Pack
 from .results import Results
 from .settings import StrPath, resolve
 from .v1 import blobs_pb2, jobs_pb2, machines_pb2
 from .watching import Watching, ended
-from .words import When, ago, deadline_ms, milliseconds, priority as priority_of, states as states_of
+from .words import When, ago, deadline_ms, milliseconds, operator_wait, priority as priority_of, states as states_of
 
 CHUNK = 64 * 1024
 #: Digests in one question.
@@ -21,7 +22,7 @@ ASK = 10_000
 WAIT_S = 60.0
 
 
-class Client(Watching, Results):
+class Client(Watching, Dialogs, Results):
     """A connection to a server.
 
     address: HOST:PORT, http://HOST:PORT or https://HOST:PORT; otherwise COUNTERPOINT_SERVER, otherwise
@@ -77,8 +78,8 @@ class Client(Watching, Results):
 
         When this returns, the job is on the disk of the server. The request is repeated with its id after a lost
         connection, so the job is accepted once. To repeat a submit yourself with a request_id, give the deadline as a
-        datetime. Raises ValueError if two files of one name differ or the deadline has passed, UnknownMachine, and
-        Refused.
+        datetime. Raises ValueError if a program is empty, two files of one name differ or the deadline has passed,
+        UnknownMachine, and Refused.
         """
         pack = Pack()
         names = pack.programs(programs)
@@ -133,14 +134,15 @@ class Client(Watching, Results):
     def wait(self, job: str, timeout: Optional[float] = None) -> jobs_pb2.JobStatus:
         """Waits for the end of a job, without events; returns its status.
 
-        timeout: maximum wait, s, even if the server cannot be reached; then raises TimeoutError. Raises JobFailed if the job
-        could not be run.
+        timeout: maximum wait, s, even if the server cannot be reached; then raises TimeoutError; its text says
+        if the job waits for an operator. Raises JobFailed if the job could not be run.
         """
         if timeout is not None:
             try:
                 return ended(self._wait_until(job, time.monotonic() + timeout))
-            except TimeoutError:
-                raise TimeoutError(f"job {job} has not ended within {timeout:g} s") from None
+            except TimeoutError as error:
+                wait = f": it {error}" if str(error) else ""
+                raise TimeoutError(f"job {job} has not ended within {timeout:g} s{wait}") from None
         while True:
             request = jobs_pb2.WaitJobRequest(job_id=job, timeout_ms=int(WAIT_S * 1000))
             status = self._call(self._jobs.WaitJob, request).status
@@ -155,7 +157,7 @@ class Client(Watching, Results):
             if status.ended_ms:
                 return status
             if time.monotonic() >= until:
-                raise TimeoutError
+                raise TimeoutError(operator_wait(status))
 
     def jobs(
         self,

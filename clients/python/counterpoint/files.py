@@ -18,8 +18,15 @@ class Pack:
         self.digests: Dict[str, str] = {}
 
     def programs(self, programs: Files) -> List[str]:
-        """Adds programs; returns the name of each. A path may be given for several channels."""
-        return self._add(named(programs))
+        """Adds programs; returns the name of each. A path may be given for several channels.
+
+        Raises ValueError if a program is empty.
+        """
+        given = named(programs)
+        for name, data in given:
+            if isinstance(data, bytes) and not data.strip():
+                raise ValueError(f"'{name}' is empty: a program needs at least one block")
+        return self._add(given)
 
     def others(self, files: Files) -> None:
         """Adds files that the programs call; a folder adds its own files, but not those of its subfolders."""

@@ -8,13 +8,14 @@ import grpc
 from .calls import Calls, Patience
 from .errors import JobFailed
 from .v1 import event_pb2, jobs_pb2
+from .words import operator_wait
 
 #: Maximum time without a message on a watch, s.
 HEARTBEAT_S = 5.0
 
 
 class Progress(NamedTuple):
-    """Progress of a channel."""
+    """Progress of a channel. operator_wait: the wait of the whole job for an operator, in words; empty = none."""
 
     channel: str
     state: str
@@ -22,6 +23,7 @@ class Progress(NamedTuple):
     percent: float
     simulated_s: float
     waiting_for: str
+    operator_wait: str = ""
 
 
 class Event(NamedTuple):
@@ -44,6 +46,7 @@ def print_progress(channels: Sequence[Progress]) -> None:
         f"{c.channel} {c.percent:3.0f} % block {c.blocks} {c.simulated_s:.1f} s {c.waiting_for or c.state}"
         for c in channels
     ]
+    parts += [wait for wait in {c.operator_wait for c in channels} if wait]
     terminal = sys.stderr.isatty()
     head, end = ("\r\x1b[K", "") if terminal else ("", "\n")
     print(head + " | ".join(parts), end=end, file=sys.stderr, flush=True)
@@ -85,7 +88,8 @@ class Watching(Calls):
         for message in self.events(job):
             content = message.WhichOneof("content")
             if content == "progress" and progress and message.progress.channels:
-                progress([_progress(channel) for channel in message.progress.channels])
+                wait = operator_wait(message.progress)
+                progress([_progress(channel, wait) for channel in message.progress.channels])
             elif content == "batch" and event:
                 for one in filter(None, map(_event, message.batch.events)):
                     event(one)
@@ -101,9 +105,10 @@ def ended(status: jobs_pb2.JobStatus) -> jobs_pb2.JobStatus:
     return status
 
 
-def _progress(channel: jobs_pb2.ChannelProgress) -> Progress:
+def _progress(channel: jobs_pb2.ChannelProgress, wait: str) -> Progress:
     state = jobs_pb2.ChannelState.Name(channel.state).replace("CHANNEL_STATE_", "").replace("_", " ").lower()
-    return Progress(channel.name, state, channel.blocks, channel.percent, channel.t_ns / 1e9, channel.waiting_for)
+    time_s = channel.t_ns / 1e9
+    return Progress(channel.name, state, channel.blocks, channel.percent, time_s, channel.waiting_for, wait)
 
 
 def _event(event: event_pb2.Event) -> Optional[Event]:

@@ -35,6 +35,18 @@ def first_error(status: jobs_pb2.JobStatus) -> str:
     return f"{place}: {number}{error.text}" if place else f"{number}{error.text}"
 
 
+def operator_wait(of: Union[jobs_pb2.JobStatus, jobs_pb2.Progress]) -> str:
+    """The wait of a running job for an operator or a step command, and its end; empty if the job does not wait."""
+    if not of.HasField("operator_wait"):
+        return ""
+    wait = of.operator_wait
+    client = "a step command" if wait.action == jobs_pb2.OPERATOR_ACTION_COMMAND else "an operator"
+    if not wait.until_ms:
+        return f"waits for {client}"
+    until = datetime.datetime.fromtimestamp(wait.until_ms // 1000, datetime.timezone.utc)
+    return f"waits for {client} until {until:%Y-%m-%d %H:%M:%S} UTC"
+
+
 def states(names: Union[str, Iterable[str]]) -> List["jobs_pb2.JobState.ValueType"]:
     """States by name, in any letter case; one name is a list of one."""
     names = [names] if isinstance(names, str) else names

@@ -2,6 +2,7 @@
 
 import contextlib
 import datetime
+import io
 import os
 import pathlib
 import pickle
@@ -15,7 +16,7 @@ from typing import Any, Callable, List
 import grpc
 
 from counterpoint import Client, Event, JobFailed, JobOptions, JobStatus, Progress, Refused, UnknownMachine
-from counterpoint import cause_name, draw, first_error, limit_name, state_name
+from counterpoint import cause_name, draw, first_error, limit_name, operator_wait, print_progress, state_name
 from counterpoint.v1 import blobs_pb2, blobs_pb2_grpc, jobs_pb2, machines_pb2, machines_pb2_grpc
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "examples" / "two-turret"
@@ -73,7 +74,7 @@ class Against(unittest.TestCase):
         programs = {"a.nc": PART}
         first = self.client.submit("fanuc-mill", programs, request_id="once")
         self.assertEqual(self.client.submit("fanuc-mill", programs, request_id="once"), first)
-        job = self.client.submit("fanuc-2path-lathe", {"b.nc": b"", "c.nc": b"", "d.nc": b""})
+        job = self.client.submit("fanuc-2path-lathe", {"b.nc": PART, "c.nc": PART, "d.nc": PART})
         follows: List[Callable[[str], JobStatus]] = [self.client.watch, self.client.wait]
         for follow in follows:
             with self.assertRaises(JobFailed) as raised:
@@ -171,6 +172,39 @@ class Against(unittest.TestCase):
         status = self.client.wait(job)
         self.assertEqual((state_name(status), cause_name(status), limit_name(status)), ("FAILED", "LIMIT", "DEADLINE"))
 
+    def test_a_job_that_waits_for_an_operator_says_so_and_is_answered(self) -> None:
+        job = self.client.submit("tern-bar-lathe", {"a.nc": b"M30\n"}, JobOptions(attended=True, no_cache=True))
+        other = Client(f"http://{os.environ['COUNTERPOINT_TEST_SERVER']}", token="")
+        questions = other.questions(job)
+        question = next(questions)
+        self.assertEqual((question.dialog.name, question.channel), ("Set-up", 1))
+        wait = r"waits for an operator until \d{4}-\d\d-\d\d \d\d:\d\d:\d\d UTC"
+        with self.assertRaisesRegex(TimeoutError, f"job {job} has not ended within 0.3 s: it {wait}$"):
+            self.client.wait(job, timeout=0.3)
+        self.assertRegex(operator_wait(self.client.status(job)), f"^{wait}$")
+        shown: List[Progress] = []
+
+        def progress(channels: List[Progress]) -> None:
+            if not shown and channels[0].operator_wait:
+                shown.extend(channels)
+                with contextlib.redirect_stderr(io.StringIO()) as printed:
+                    print_progress(channels)
+                self.assertRegex(printed.getvalue(), wait)
+                with self.assertRaises(Refused) as raised:
+                    other.answer(job, question, "Start", {"NONE": 1})
+                self.assertEqual(raised.exception.reason, "INVALID_REQUEST")
+                self.assertTrue(other.answer(job, question, "Start", {"PERCENT": 90, "FACEOFF": -0.5}))
+                self.assertFalse(other.answer(job, question), "it is closed")
+
+        self.assertEqual(state_name(self.client.watch(job, progress=progress)), "SUCCEEDED")
+        self.assertTrue(shown)
+        self.assertEqual(list(questions), [])
+        self.assertIn("set-up: Start, feed 90 %, face off by -.5", self.client.listing(job, console=True))
+        declined = self.client.submit("tern-bar-lathe", {"a.nc": b"M30\n"}, JobOptions(attended=True, no_cache=True))
+        self.assertTrue(self.client.decline(declined, next(self.client.questions(declined))))
+        self.assertIn("the operator declined the dialog 'Set-up'", first_error(self.client.wait(declined)))
+        other.close()
+
     def test_a_failed_job_names_its_first_error(self) -> None:
         status = self.client.watch(self.client.submit("fanuc-mill", {"part.nc": b"O1\nG0 X[1/0]\nM30\n"}))
         self.assertEqual(state_name(status), "FAILED")
@@ -198,6 +232,8 @@ class Against(unittest.TestCase):
         wrong: Any = {"x.nc": "O1"}
         with self.assertRaisesRegex(TypeError, "the content of x.nc is text: give bytes"):
             self.client.submit("fanuc-mill", wrong)
+        with self.assertRaisesRegex(ValueError, "^'x.nc' is empty: a program needs at least one block$"):
+            self.client.submit("fanuc-mill", {"x.nc": b" \r\n"})
         seconds: Any = 30
         with self.assertRaisesRegex(TypeError, "deadline 30 is not a datetime or timedelta"):
             self.client.submit("fanuc-mill", {"a.nc": PART}, deadline=seconds)

@@ -26,7 +26,7 @@ class Readme(unittest.TestCase):
         pathlib.Path("subprograms/O0002.nc").write_bytes(b"O2\nG1 X5.\nM99\n")
         server = f"http://{os.environ['COUNTERPOINT_TEST_SERVER']}"
         blocks = re.findall(r"^```python\n(.*?)^```$", README.read_text(), re.MULTILINE | re.DOTALL)
-        self.assertEqual(len(blocks), 5)
+        self.assertEqual(len(blocks), 6)
         space: Dict[str, Any] = {}
         with mock.patch.dict(os.environ, {"COUNTERPOINT_SERVER": server}), mock.patch("builtins.print") as shown:
             for block in blocks:
@@ -34,6 +34,7 @@ class Readme(unittest.TestCase):
         space["client"].close()
         lines = [" ".join(map(str, call.args)) for call in shown.call_args_list]
         self.assertTrue(any(line.startswith("SUCCEEDED 240.") for line in lines), lines)
+        self.assertTrue(any(line.startswith("Set-up: Feed, per cent, Face off by, mm") for line in lines), lines)
         # The job may have ended before the cancel.
         self.assertTrue({"CANCELLED True", "SUCCEEDED True"}.intersection(lines), lines)
         self.assertTrue(any(line.startswith("no machine 'fanuc-mil'") for line in lines), lines)
