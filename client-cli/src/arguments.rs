@@ -1,6 +1,8 @@
 //! The command line.
 
 mod calibrate;
+mod elsewhere;
+mod filled;
 mod inputs;
 mod jobs;
 mod lint;

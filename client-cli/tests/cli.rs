@@ -1365,8 +1365,8 @@ fields = [
         texts.map(|d| d["text"].as_str().unwrap().to_owned()).collect::<Vec<_>>().join("|")
     };
     assert!(texts(&counterpoint(&run)).contains("no answer for the dialog 'Clamp'"), "nobody attends");
-    // Two lines that are refused here and by the machine, then the values, then the button.
-    let output = answering(&attended, "much\n99\nyes\n\n12\nyes\nok\n");
+    // Two lines that are refused at their field, then the values, then the button.
+    let output = answering(&attended, "much\n99\n12\nyes\nok\n");
     let status = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(texts(&output).contains("OK 12"), "{} {status}", texts(&output));
     assert!(status.contains("'much' is not a valid number") && status.contains("must be 1 to 40, not 99"), "{status}");

@@ -99,7 +99,7 @@ fn file_name(text: &str) -> Result<String, String> {
 pub(crate) struct On {
     /// Run on this machine: a name, or a folder with machine.toml [default: guessed from the programs; the job is
     /// refused if no machine can be guessed]
-    #[arg(long, value_name = "NAME|DIR")]
+    #[arg(long, value_name = "NAME|DIR", value_parser = super::filled::filled)]
     pub(crate) machine: Option<String>,
     /// Set a datum of the machine for this run; can be repeated: `waits=900-999`, the M codes that are waiting codes;
     /// `numbers=increments`, coordinates without a decimal point count least increments; `system=B`, the G-code system

@@ -3,13 +3,14 @@
 use clap::{ArgGroup, Args, ValueEnum};
 use counterpoint_server::utc::from_iso;
 
+use super::filled::{EMPTY, filled};
 use crate::remote::Remote;
 
 /// Properties of a job besides its programs and options.
 #[derive(Debug, Args)]
 pub(crate) struct RequestArgs {
     /// Identify the request: a repeated id returns the same job instead of creating a new one
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", value_parser = filled)]
     pub(crate) request_id: Option<String>,
     /// Label the job; NAME alone is the label `name`; can be repeated
     #[arg(long = "label", value_name = "NAME|KEY=VALUE", value_parser = label)]
@@ -45,7 +46,7 @@ pub(crate) const NAME: &str = "name";
 
 fn label(text: &str) -> Result<(String, String), String> {
     if text.is_empty() {
-        return Err("expected NAME or KEY=VALUE".to_owned());
+        return Err(EMPTY.to_owned());
     }
     let (key, value) = text.split_once('=').unwrap_or((NAME, text));
     Ok((key.to_owned(), value.to_owned()))
@@ -93,7 +94,7 @@ pub(crate) struct JobFilter {
     #[arg(long, value_enum, value_delimiter = ',')]
     pub(crate) state: Vec<State>,
     /// Select only jobs for this machine, a name or NAME@REVISION
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = filled)]
     pub(crate) machine: Option<String>,
     /// Select only jobs with this label; NAME alone is the label `name`; can be repeated
     #[arg(long = "label", value_name = "NAME|KEY=VALUE", value_parser = label)]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::filled::filled;
 use crate::remote::Remote;
 
 const SHOW_EXAMPLES: &str = "\
@@ -40,7 +41,7 @@ pub(crate) enum Machine {
         /// Folder to write, which must not exist; its name is the name of the machine
         folder: PathBuf,
         /// Shipped machine to start from
-        #[arg(long, value_name = "NAME")]
+        #[arg(long, value_name = "NAME", value_parser = filled)]
         from: String,
     },
     /// List the machines
@@ -106,10 +107,10 @@ pub(crate) enum Machine {
 #[derive(Debug, Default, Args)]
 pub(crate) struct Rows {
     /// Sort the rows by a column of the table, such as word, code, order, group, name or file
-    #[arg(long, value_name = "COLUMN")]
+    #[arg(long, value_name = "COLUMN", value_parser = filled)]
     pub(crate) sort: Option<String>,
     /// Show only rows that contain this text, ignoring letter case
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", value_parser = filled)]
     pub(crate) filter: Option<String>,
     /// Show only the keys that differ from the family that the machine extends, with both values (only for shipped
     /// machines and folders)

@@ -36,7 +36,7 @@ pub enum TokenCommand {
         #[arg(long, value_enum)]
         role: Role,
         /// Name of the caller in the audit log
-        #[arg(long, default_value = "token")]
+        #[arg(long, default_value = "token", value_parser = filled)]
         name: String,
         /// Days until the token expires, at most 36500 [default: never]
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_DAYS))]
@@ -59,6 +59,14 @@ pub enum TokenCommand {
         #[arg(long, value_name = "FILE.toml")]
         access: Option<PathBuf>,
     },
+}
+
+/// Refuses an empty name, which an unset variable of a shell gives.
+fn filled(text: &str) -> Result<String, String> {
+    match text.trim() {
+        "" => Err("the name is empty: give a name or omit the option (is a variable unset?)".to_owned()),
+        _ => Ok(text.to_owned()),
+    }
 }
 
 impl TokenCommand {

@@ -41,6 +41,9 @@ async fn a_token_is_made_listed_and_revoked_and_the_server_follows_when_it_reads
         assert_eq!((code, out.as_str()), (Some(2), ""), "a token of {days} days is of no use");
         assert!(refusal.contains("--days"), "{refusal}");
     }
+    let (code, out, refusal) = token(&access, &["new", "--tenant", "t", "--role", "read", "--name", ""]);
+    assert_eq!((code, out.as_str()), (Some(2), ""), "the audit log could not name the caller");
+    assert!(refusal.contains("--name") && refusal.contains("is a variable unset?"), "{refusal}");
 
     let (code, listed, _) = token(&access, &["list"]);
     assert_eq!((code, listed.lines().count()), (Some(0), 1));
