@@ -14,6 +14,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::remote::Remote;
 pub(crate) use calibrate::Calibrate;
+pub(crate) use elsewhere::with_similar_command;
 pub(crate) use inputs::{Inputs, Levels, On, ProgramFiles, RaceCheck, Switches, Timing};
 pub(crate) use jobs::{JobFilter, Jobs, Many, NAME, Priority, RequestArgs, Rerun, State, Status, Wait, Watch, When};
 pub(crate) use lint::Lint;

@@ -212,11 +212,21 @@ async fn all(client: &Client, job: &str, folder: &Path, crlf: bool) -> Result<()
     target.write(client, job, (&summary, &text), false).await
 }
 
+/// Whether a job was submitted with a trace.
+async fn is_traced(client: &Client, job: &str) -> Result<bool, Error> {
+    let request = v1::GetJobRequest { job_id: job.to_owned() };
+    let options = client.jobs().get_job(request).await?.into_inner().options.unwrap_or_default();
+    Ok(!options.trace.is_empty())
+}
+
 async fn result(arguments: ResultArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let ResultArgs { what, channel, format, crlf, .. } = &arguments;
     let job = &job_names::whole(&client, &arguments.job).await?;
     let form = results::Form { format: *format, crlf: *crlf };
+    if *what == ResultKind::Trace && !is_traced(&client, job).await? {
+        say::status_line("the job was submitted without --trace: this is the listing");
+    }
     match (what, &arguments.output) {
         (ResultKind::Report, output) => {
             let text = reported(&client, job).await?;

@@ -72,6 +72,7 @@ fn main() -> ExitCode {
     let arguments = match arguments::Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
+            let error = arguments::with_similar_command(error);
             let code = codes::of_command_line().filter(|_| error.use_stderr());
             let _ = error.print();
             return code.map_or_else(|| ExitCode::from(error.exit_code() as u8), ExitCode::from);

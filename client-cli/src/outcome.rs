@@ -40,7 +40,9 @@ fn end(status: &v1::JobStatus) -> String {
 /// Further lines about the end of a job: the source of its results, its first error, and the command that shows all
 /// errors.
 fn notes(status: &v1::JobStatus) -> Vec<String> {
-    let first = first_error(status).map(|error| format!("first error: {error}"));
+    // `not_run` prints the reason why a job was not run.
+    let ran = status.error.is_empty() && status.findings.is_empty();
+    let first = first_error(status).filter(|_| ran).map(|error| format!("first error: {error}"));
     reused::note(status).into_iter().chain(first).chain(errors(status).map(|at| format!("errors: {at}"))).collect()
 }
 

@@ -14,6 +14,7 @@ use crate::client::{Asked, Client, Submitted};
 use crate::codes::{self, Stage};
 use crate::error::Error;
 use crate::json_summary::with_remedies;
+use crate::local_machine::LocalMachine;
 use crate::numbered::Computed;
 use crate::outcome::{exit_code, not_run};
 use crate::output_folder::{OutputFolder, drawn_timeline};
@@ -286,6 +287,9 @@ pub(crate) async fn submit_pack(
     Submission { request, attended, lint, no_cache }: Submission,
 ) -> Result<Submitted, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
+    if let Some(machine) = inputs.on.machine.as_deref().filter(|_| !client.is_embedded()) {
+        check_channels(machine, pack.programs.len())?;
+    }
     let (count, computed) = (pack.files.0.len(), pack.computed);
     client.upload(&pack.files.blobs()).await.map_err(|error| too_large(error, &pack.files))?;
     let file = |(path, blob): (String, Blob)| v1::FileRef { path, digest: blob.digest().to_owned() };
@@ -321,6 +325,21 @@ pub(crate) async fn submit_pack(
         ..request
     };
     client.submit(request).await.map_err(|error| too_many(error, count, computed))
+}
+
+/// Refuses more programs than the machine has channels, if the machine is known here.
+fn check_channels(machine: &str, programs: usize) -> Result<(), Error> {
+    // Without an own definition the server decides.
+    let Ok(known) = LocalMachine::open(machine).and_then(|local| local.load()) else { return Ok(()) };
+    let channels = known.channels.len();
+    if programs > channels.max(1) {
+        let plural = if channels == 1 { "" } else { "s" };
+        return Err(Error::Usage(format!(
+            "machine {machine} has {channels} channel{plural}, but the job has {programs} programs: name at most one for \
+             each channel, or submit each program as a job of its own with --each"
+        )));
+    }
+    Ok(())
 }
 
 /// Names the largest file in the refusal of a blob that is too large.
