@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use uuid::Uuid;
 
 use crate::doctor::examine_as;
+use crate::local::claim::{CLAIM, is_claimed};
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
 use crate::local::folder_lock::{FolderLock, Holder};
@@ -32,9 +33,6 @@ const COPYING: Duration = Duration::from_secs(600);
 const LOOK: Duration = Duration::from_millis(50);
 /// Time between two checks that a server still uses the folder.
 const LOOK_FOR_SERVER: Duration = Duration::from_secs(1);
-
-/// File in the folder to which a backup or a restore writes.
-const CLAIM: &str = "copy-in-progress";
 
 /// The content of a backup.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -181,7 +179,7 @@ pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
     if !from.join("ledger.redb").is_file() {
         return Err(format!("'{}' is not a backup: it has no ledger.redb", from.display()));
     }
-    if from.join(CLAIM).exists() {
+    if is_claimed(from) {
         return Err(format!(
             "'{}' is not a whole backup: the backup that writes to it has not ended, or was interrupted (file \
              '{CLAIM}'); wait for its end, or restore another backup",
@@ -219,7 +217,7 @@ impl Claim {
         fs::create_dir_all(folder).map_err(|error| format!("'{shown}' cannot be created: {error}"))?;
         let not_empty = || format!("'{shown}' is not empty: choose a new folder");
         // A folder with other files gets no claim.
-        if is_empty(folder).is_ok_and(|empty| !empty) && !folder.join(CLAIM).exists() {
+        if is_empty(folder).is_ok_and(|empty| !empty) && !is_claimed(folder) {
             return Err(not_empty());
         }
         let claim = folder.join(CLAIM);

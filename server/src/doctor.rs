@@ -10,6 +10,7 @@ use std::{fmt, fs, io};
 use crate::blobs::{Blobs as _, is_digest};
 use crate::ledger::record::Record;
 use crate::local::blobs::LocalBlobs;
+use crate::local::claim::{CLAIM, REMEDY, UNFINISHED, is_claimed};
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
 use crate::local::folder_lock::Holder;
@@ -73,12 +74,25 @@ pub(crate) fn examine_as(folder: &Path, repair: bool, disk: Disk, holder: Holder
         true => error.to_string(),
         false => format!("'{}': {error}", folder.display()),
     })?;
+    let claimed = is_claimed(folder);
+    let damage = || Damage {
+        path: folder.join(CLAIM),
+        what: UNFINISHED.to_owned(),
+        remedy: REMEDY.to_owned(),
+        repaired: false,
+        note: false,
+    };
+    if claimed && (repair || matches!(store.ledger().try_exists(), Ok(false))) {
+        // A repair would not make the content whole.
+        return Ok(vec![damage()]);
+    }
     if !store.in_use() && matches!(store.ledger().try_exists(), Ok(false)) {
         let folder = folder.display();
         return Err(format!("'{folder}' is not a data folder: it has no ledger, jobs or blobs; check the path"));
     }
     let blobs = LocalBlobs::new(store.clone(), u64::MAX);
     let mut doctor = Doctor { blobs, store, repair, lost: false, found: Vec::new() };
+    doctor.found.extend(claimed.then(damage));
     contained(|| doctor.folder()).and_then(|done| done).map_err(|refusal| refusal.to_string())?;
     Ok(doctor.found)
 }

@@ -4,6 +4,7 @@
 //! that the server writes passes [`disk::Disk`], so a test can let any write fail.
 
 pub(crate) mod blobs;
+pub(crate) mod claim;
 pub(crate) mod contained;
 pub mod disk;
 pub(crate) mod folder_lock;

@@ -10,6 +10,7 @@ use std::io::{self, Read as _, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use super::claim;
 use super::disk::{Disk, Temporary};
 use super::folder_lock::{FolderLock, Holder};
 use super::free_space::FreeSpace;
@@ -65,6 +66,7 @@ impl Store {
     pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
         // The folder of a relative name such as `data` would be an empty path, which cannot be opened.
         let root = std::path::absolute(root)?;
+        claim::check(&root)?;
         let new = !root.is_dir();
         fs::create_dir_all(&root).at(&root)?;
         keep_private(&root);

@@ -258,6 +258,36 @@ async fn the_copy_of_the_ledger_for_a_backup_that_was_killed_is_removed() {
     server.stop().await;
 }
 
+/// docs/operations.md: if a backup or restore is killed, its file remains, and the folder has to be removed.
+#[tokio::test]
+async fn a_folder_whose_backup_or_restore_was_killed_is_refused_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, empty) = (folder.path().join("whole"), folder.path().join("empty"));
+    Server::start(options(&whole)).await.stop().await;
+    std::fs::create_dir(&empty).unwrap();
+    for data in [&whole, &empty] {
+        let claim = data.join("copy-in-progress");
+        std::fs::write(&claim, "").unwrap();
+        let before = std::fs::read_dir(data).unwrap().count();
+        let mut server = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+        let refused = server.args(["--listen", "127.0.0.1:0", "--data"]).arg(data).output().unwrap();
+        let text = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(3), "{text}");
+        assert!(text.contains(claim.to_str().unwrap()) && text.contains("remove the folder"), "{text}");
+        assert_eq!(std::fs::read_dir(data).unwrap().count(), before, "the server changes nothing");
+        for repair in [&[][..], &["--repair"]] {
+            let mut doctor = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+            let examined = doctor.args(["doctor", "--data"]).arg(data).args(repair).output().unwrap();
+            let found = String::from_utf8(examined.stdout).unwrap();
+            assert_eq!(examined.status.code(), Some(1), "{found}");
+            let first = found.lines().next().unwrap_or_default();
+            let named = first.starts_with("damaged: ") && first.contains(claim.to_str().unwrap());
+            assert!(named && first.contains("remove the folder"), "{found}");
+            assert!(claim.exists(), "a repair does not make the content whole");
+        }
+    }
+}
+
 /// A backup of a stopped server has the folder for as long as it copies the ledger.
 #[tokio::test]
 async fn a_server_that_starts_during_a_backup_waits_for_it() {
