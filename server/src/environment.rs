@@ -8,6 +8,7 @@ use std::ffi::OsString;
 use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Command, Error, Parser};
+use counterpoint_kernel::machine::similar;
 
 /// Reads the command line and the environment; prints the message and exits if they are wrong.
 #[must_use]
@@ -18,6 +19,40 @@ pub fn parse<T: Parser>() -> T {
         .try_get_matches_from_mut(&given)
         .and_then(|mut matches| T::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command)));
     parsed.unwrap_or_else(|error| with_variable(error, &command, &given).exit())
+}
+
+/// Beginning of the variables of the server and its clients.
+const PREFIX: &str = "COUNTERPOINT_";
+/// Further variables: the filter of the log, and those of the clients.
+const OTHERS: [&str; 6] = ["LOG", "SERVER", "TOKEN", "CA", "CLIENT_CERT", "CLIENT_KEY"];
+
+/// A message for each variable `COUNTERPOINT_…` that belongs to no option, with a similar name.
+#[must_use]
+pub fn unknown<T: Parser>() -> Vec<String> {
+    let command = T::command();
+    let of_options = command.get_arguments().filter_map(|option| option.get_env()?.to_str());
+    let known: Vec<&str> = of_options.filter_map(|name| name.strip_prefix(PREFIX)).collect();
+    let given = std::env::vars_os().filter_map(|(name, _)| Some(name.to_str()?.strip_prefix(PREFIX)?.to_owned()));
+    let is_unknown =
+        |name: &String| !known.contains(&name.as_str()) && !OTHERS.contains(&name.as_str()) && !is_of_kubernetes(name);
+    let mut unknown: Vec<String> = given.filter(is_unknown).collect();
+    unknown.sort();
+    unknown.iter().map(|name| text(name, &known)).collect()
+}
+
+fn text(name: &str, known: &[&str]) -> String {
+    let near = match similar(name, known, 1).first() {
+        Some(near) => format!("did you mean {PREFIX}{near}? "),
+        None => String::new(),
+    };
+    format!("the variable '{PREFIX}{name}' has no effect: {near}docs/operations.md lists the variables")
+}
+
+/// Whether Kubernetes makes the variable, for a service `counterpoint` or `counterpoint-…` of the same namespace.
+fn is_of_kubernetes(name: &str) -> bool {
+    let name = format!("_{name}");
+    let ports = name.rsplit_once("_PORT_").is_some_and(|(_, rest)| rest.starts_with(|c: char| c.is_ascii_digit()));
+    ports || name.ends_with("_SERVICE_HOST") || name.contains("_SERVICE_PORT") || name.ends_with("_PORT")
 }
 
 fn without_empty_variable(option: Arg) -> Arg {

@@ -159,7 +159,9 @@ fn main() -> ExitCode {
         Ok(options) => options,
         Err(error) => return fail(2, &error),
     };
+    let unknown = environment::unknown::<Arguments>();
     if arguments.print_config {
+        unknown.iter().for_each(|text| output::remark(format_args!("{text}")));
         return match output::line(format_args!("{}", options.to_commented_toml().trim_end())) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => fail(3, &error),
@@ -172,6 +174,7 @@ fn main() -> ExitCode {
     if let Err(error) = logging::start(format) {
         return fail(2, &error);
     }
+    unknown.iter().for_each(|text| tracing::warn!("{text}"));
     keep_private();
     match start(options, config.as_deref()) {
         Ok(()) => ExitCode::SUCCESS,

@@ -257,6 +257,42 @@ fn a_wrong_value_names_the_variable_that_has_it() {
     }
 }
 
+/// A misspelled variable has no effect, so the server reports it. Variables of the clients, and those that Kubernetes
+/// makes for a service of the name, are no mistakes.
+#[test]
+fn a_variable_without_an_option_is_reported_with_a_similar_name() {
+    let (code, _, text) = outcome(&["--print-config"], &[("COUNTERPOINT_QUEU", "3"), ("COUNTERPOINT_ZZZZZZ", "1")]);
+    assert_eq!(code, Some(0), "{text}");
+    let line = |name: &str| text.lines().find(|line| line.contains(name)).unwrap_or_else(|| panic!("{name}: {text}"));
+    assert!(line("'COUNTERPOINT_QUEU'").contains("did you mean COUNTERPOINT_QUEUE?"), "{text}");
+    assert!(!line("'COUNTERPOINT_ZZZZZZ'").contains("did you mean"), "{text}");
+    let known = [
+        "LOG",
+        "SERVER",
+        "TOKEN",
+        "CA",
+        "CLIENT_CERT",
+        "CLIENT_KEY",
+        "QUEUE",
+        "CONFIG",
+        "SERVICE_HOST",
+        "SERVICE_PORT",
+    ];
+    let more = ["SERVICE_PORT_GRPC", "PORT", "PORT_7878_TCP", "PORT_7878_TCP_ADDR"];
+    let names: Vec<String> = known.iter().chain(&more).map(|name| format!("COUNTERPOINT_{name}")).collect();
+    let variables: Vec<(&str, &str)> = names.iter().map(|name| (name.as_str(), "")).collect();
+    assert_eq!(outcome(&["--print-config"], &variables).2, "");
+    // The log of a server has the warning, too.
+    let folder = tempfile::tempdir().unwrap();
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let mut server = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    server.args(["--listen", "127.0.0.1:0", "--metrics", &address, "--data"]).arg(folder.path().join("data"));
+    let output = server.env("COUNTERPOINT_QUEU", "3").output().unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(text.contains("COUNTERPOINT_QUEU") && text.contains("did you mean COUNTERPOINT_QUEUE?"), "{text}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_data_folder_that_cannot_exist_and_a_pipe_as_a_file_of_identities_are_refused() {
