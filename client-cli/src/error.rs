@@ -87,7 +87,7 @@ fn unreachable(error: &counterpoint_client::Error) -> String {
              COUNTERPOINT_CLIENT_KEY"
         ),
         // The text of the error contains the remedy.
-        Some(Misfit::Encrypted | Misfit::Unencrypted) => error.to_string(),
+        Some(Misfit::Encrypted | Misfit::Unencrypted | Misfit::Authority) => error.to_string(),
         None => format!(
             "{error}: start one with `counterpointd`, or give its address with --server or in COUNTERPOINT_SERVER"
         ),

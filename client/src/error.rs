@@ -15,7 +15,7 @@ pub enum Error {
     #[error("{0}")]
     Settings(String),
     /// No server answers, at first or again within the patience of the client.
-    #[error("no server answers at {address} ({cause}){}", Misfit::hint(.address, .cause))]
+    #[error("{} {address} ({cause}){}", Misfit::failure(.address, .cause), Misfit::hint(.address, .cause))]
     Unreachable {
         /// The address.
         address: String,

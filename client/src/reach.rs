@@ -26,7 +26,7 @@ pub(crate) fn cause(error: &dyn std::error::Error) -> String {
 
 /// A failed connection, as the source of the status of a call.
 #[derive(Debug, thiserror::Error)]
-#[error("no server answers at {address} ({cause})")]
+#[error("{} {address} ({cause})", Misfit::failure(.address, .cause))]
 pub(crate) struct Unreached {
     pub(crate) address: String,
     pub(crate) cause: String,
@@ -113,6 +113,8 @@ pub enum Misfit {
     Encrypted,
     /// The address has `https`, and the server does not encrypt its connections.
     Unencrypted,
+    /// The certificate of the server is that of an authority, which clients do not accept for a server.
+    Authority,
     /// One side does not accept the certificate of the other side, or the client has none.
     Certificate,
 }
@@ -124,6 +126,7 @@ impl Misfit {
         match is_https(address) {
             false if cause == TLS_ALERT => Some(Self::Encrypted),
             true if says(&["corrupt message", "invalidcontenttype"]) => Some(Self::Unencrypted),
+            true if says(&["causedasendentity"]) => Some(Self::Authority),
             true if says(&["certificate", "issuer", "alert"]) => Some(Self::Certificate),
             _ => None,
         }
@@ -134,7 +137,19 @@ impl Misfit {
         match Self::of(address, cause) {
             Some(Self::Encrypted) => ": it expects https://",
             Some(Self::Unencrypted) => ": it expects http://",
+            Some(Self::Authority) => {
+                ": that is the certificate of an authority; make one for the server with the extension \
+                 basicConstraints=CA:FALSE"
+            }
             Some(Self::Certificate) | None => "",
+        }
+    }
+
+    /// The failure, as the beginning of a message.
+    pub(crate) fn failure(address: &str, cause: &str) -> &'static str {
+        match Self::of(address, cause) {
+            Some(Self::Authority) => "the certificate of the server cannot be used at",
+            _ => "no server answers at",
         }
     }
 }
@@ -150,6 +165,7 @@ mod tests {
             (http, TLS_ALERT, Misfit::Encrypted),
             (https, "received corrupt message of type InvalidContentType", Misfit::Unencrypted),
             (https, "invalid peer certificate: UnknownIssuer", Misfit::Certificate),
+            (https, "invalid peer certificate: Other(OtherError(CaUsedAsEndEntity))", Misfit::Authority),
             (https, "received fatal alert: CertificateRequired", Misfit::Certificate),
         ] {
             assert_eq!(Misfit::of(address, cause), Some(misfit), "{cause}");

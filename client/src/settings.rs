@@ -28,6 +28,8 @@ pub type Notice = fn(&Error, Duration);
 #[derive(Clone)]
 pub struct Settings {
     address: String,
+    /// The address was given without a scheme, so it is `https` if certificates are given.
+    open_scheme: bool,
     call: Call,
     authorities: Option<Vec<u8>>,
     identity: Option<Identity>,
@@ -42,12 +44,16 @@ impl std::fmt::Debug for Settings {
 }
 
 impl Settings {
-    /// A server at an address (`http://HOST:PORT` or `https://HOST:PORT`), without token and certificates.
+    /// A server at an address (`http://HOST:PORT`, `https://HOST:PORT` or `HOST:PORT`), without token and certificates.
+    /// `HOST:PORT` is encrypted if authorities or a certificate are added.
     #[must_use]
     pub fn new(address: impl Into<String>) -> Self {
         let patience = Duration::from_secs(60);
+        let given = address.into();
+        let open_scheme = is_host_and_port(&given);
         Self {
-            address: address.into(),
+            address: if open_scheme { format!("http://{given}") } else { given },
+            open_scheme,
             call: Call::default(),
             authorities: None,
             identity: None,
@@ -81,7 +87,9 @@ impl Settings {
         if let Some(parent) = text(TRACEPARENT) {
             settings = settings.with_traceparent(&parent)?;
         }
-        settings.authorities = file(CA)?;
+        if let Some(authorities) = file(CA)? {
+            settings = settings.with_authorities(&authorities);
+        }
         match (file(CERTIFICATE)?, file(KEY)?) {
             (Some(certificate), Some(key)) => settings = settings.with_certificate(&certificate, &key),
             (Some(_), None) => return Err(alone(CERTIFICATE, KEY)),
@@ -117,6 +125,14 @@ impl Settings {
     #[must_use]
     pub fn with_authorities(mut self, pem: &[u8]) -> Self {
         self.authorities = Some(pem.to_vec());
+        self.encrypted()
+    }
+
+    /// Adds `https` to an address that was given without a scheme.
+    fn encrypted(mut self) -> Self {
+        if std::mem::take(&mut self.open_scheme) {
+            self.address = self.address.replacen("http://", "https://", 1);
+        }
         self
     }
 
@@ -124,7 +140,7 @@ impl Settings {
     #[must_use]
     pub fn with_certificate(mut self, certificate: &[u8], key: &[u8]) -> Self {
         self.identity = Some(Identity::from_pem(certificate, key));
-        self
+        self.encrypted()
     }
 
     /// How long to continue trying when nothing succeeds; 60 s otherwise.
@@ -164,7 +180,7 @@ impl Settings {
         let scheme = address.split_once("://").map_or("", |(scheme, _)| scheme).to_ascii_lowercase();
         if scheme != "http" && scheme != "https" {
             return Err(Error::Settings(format!(
-                "server address '{address}' is not an http address: expected http://HOST:PORT or https://HOST:PORT"
+                "server address '{address}' is not an http address: expected HOST:PORT, http://HOST:PORT or https://HOST:PORT"
             )));
         }
         let endpoint = Endpoint::from_shared(address.clone())
@@ -188,6 +204,14 @@ impl Settings {
         let unusable = |error| Error::Settings(format!("certificates for '{address}': {}", cause(&error)));
         endpoint.tls_config(tls).map_err(unusable)
     }
+}
+
+/// Whether an address has no scheme: `cell:7878`, `[::1]:7878`.
+fn is_host_and_port(address: &str) -> bool {
+    let Some((host, port)) = address.trim_end_matches('/').rsplit_once(':') else { return false };
+    let inner = host.strip_prefix('[').and_then(|host| host.strip_suffix(']'));
+    let is_host = inner.is_some_and(|host| host.contains(':')) || !host.contains([':', '[', ']']);
+    !host.is_empty() && is_host && !host.contains(['/', '@']) && port.parse::<u16>().is_ok()
 }
 
 /// One of the two variables of the client's certificate is missing.
@@ -230,9 +254,13 @@ mod tests {
 
     #[test]
     fn only_http_addresses_are_taken() {
-        for wrong in ["", "localhost:7878", "ftp://localhost", "http://"] {
+        for wrong in ["", "localhost", "::1:7878", "localhost:", ":7878", "ftp://localhost", "http://"] {
             assert!(matches!(Settings::new(wrong).endpoint(), Err(Error::Settings(_))), "{wrong}");
         }
         assert!(Settings::new("HTTP://localhost:7878").endpoint().is_ok());
+        for (given, address) in [("localhost:7878", "http://localhost:7878"), ("[::1]:7878/", "http://[::1]:7878/")] {
+            let settings = Settings::new(given);
+            assert!(settings.endpoint().is_ok() && settings.address() == address, "{settings:?}");
+        }
     }
 }

@@ -53,6 +53,44 @@ async fn a_client_with_encryption_is_told_that_the_server_has_none() {
     server.stop();
 }
 
+/// `openssl req -x509` makes such a certificate.
+#[tokio::test]
+async fn the_certificate_of_an_authority_as_that_of_a_server_is_named_with_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = guarded::options(folder.path());
+    let key = rcgen::KeyPair::generate().unwrap();
+    let mut params = rcgen::CertificateParams::new(vec!["localhost".to_owned()]).unwrap();
+    params.is_ca = rcgen::IsCa::Ca(rcgen::BasicConstraints::Unconstrained);
+    let own = params.self_signed(&key).unwrap().pem();
+    options.guard.tls_cert = folder.path().join("own.pem");
+    options.guard.tls_key = folder.path().join("own.key");
+    std::fs::write(&options.guard.tls_cert, &own).unwrap();
+    std::fs::write(&options.guard.tls_key, key.serialize_pem()).unwrap();
+    let server = start(folder.path(), options).await;
+    let address = format!("https://localhost:{}", server.address().port());
+    let error = call(&Settings::new(&address).with_authorities(own.as_bytes())).await;
+    assert_eq!(error.misfit(), Some(Misfit::Authority), "{error}");
+    let text = error.to_string();
+    assert!(text.contains(&address) && text.contains("basicConstraints=CA:FALSE"), "{text}");
+    assert!(!text.contains("no server answers") && !error.is_passing(), "{text}");
+    server.stop();
+}
+
+/// The Python client accepts the same addresses.
+#[tokio::test]
+async fn an_address_without_a_scheme_is_encrypted_if_authorities_are_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = start(folder.path(), guarded::options(folder.path())).await;
+    let address = format!("localhost:{}", server.address().port());
+    let error = call(&Settings::new(&address)).await;
+    assert_eq!(error.misfit(), Some(Misfit::Encrypted), "{error}");
+    let authorities = std::fs::read(folder.path().join("ca.pem")).unwrap();
+    let settings = Settings::new(&address).with_authorities(&authorities);
+    assert_eq!(settings.address(), format!("https://{address}"));
+    assert_eq!(call(&settings).await.reason().as_deref(), Some("UNAUTHENTICATED"));
+    server.stop();
+}
+
 #[tokio::test]
 async fn a_client_without_the_certificate_that_the_server_asks_for_gets_that_reason() {
     let folder = tempfile::tempdir().unwrap();

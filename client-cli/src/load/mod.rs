@@ -43,7 +43,8 @@ const CONNECTIONS: usize = 4;
 
 /// Executes the command; returns the exit code.
 pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
-    let at = address(&arguments.remote.server)?;
+    let settings = Settings::from_environment(&arguments.remote.server)?;
+    let at = address(settings.address())?;
     if !at.ip().is_loopback() && !arguments.allow_remote {
         return Err(Error::Usage(format!(
             "{} is not this machine: --allow-remote says that its owner knows about the load",
@@ -51,7 +52,6 @@ pub(crate) async fn load(arguments: Load) -> Result<u8, Error> {
         )));
     }
     let mix = Mix::read(&arguments.mix)?;
-    let settings = Settings::from_environment(&arguments.remote.server)?;
     let pace = match (arguments.rate, arguments.callers) {
         (Some(rate), _) => Pace::Rate(rate),
         (None, callers) => Pace::Callers(callers.unwrap_or(1)),
