@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn a_worker_whose_job_waits_for_a_client_says_so() {
-        let wait = v1::OperatorWait { action: v1::OperatorAction::Answer.into(), since_ms: 1 };
+        let wait = v1::OperatorWait { action: v1::OperatorAction::Answer.into(), since_ms: 1, until_ms: 2 };
         let waits = v1::WorkerInfo { operator_wait: Some(wait), ..Default::default() };
         assert_eq!((&*worker(waits)[3], &*worker(v1::WorkerInfo::default())[3]), ("waits for an operator", "runs"));
     }

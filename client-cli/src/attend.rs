@@ -44,6 +44,15 @@ enum Entry {
     End,
     /// Another client has answered.
     Closed,
+    /// No client answered in time.
+    Expired,
+}
+
+/// A question that the server has closed.
+struct Closed {
+    id: u64,
+    /// No client answered in time.
+    expired: bool,
 }
 
 impl Attendant {
@@ -69,13 +78,14 @@ impl Attendant {
         }
     }
 
-    /// Receives one message; returns the id of the question that it closes.
-    async fn listen(&mut self) -> Result<Option<u64>, Error> {
-        match self.heard.message().await?.and_then(|message| message.content) {
+    /// Receives one message; returns the question that it closes.
+    async fn listen(&mut self) -> Result<Option<Closed>, Error> {
+        let message = self.heard.message().await?.unwrap_or_default();
+        match message.content {
             Some(Content::Question(question)) => self.waiting.push_back(question),
             Some(Content::Closed(id)) => {
                 self.waiting.retain(|question| question.id != id);
-                return Ok(Some(id));
+                return Ok(Some(Closed { id, expired: message.expired }));
             }
             Some(Content::Ended(status)) => self.ended = Some(status),
             None if self.ended.is_some() => std::future::pending().await,
@@ -120,14 +130,14 @@ impl Attendant {
                         Err(why) => say::status_line(styled(BAD, why)),
                     },
                     Entry::End => return self.send(Say::Declined(id)).await,
-                    Entry::Closed => return Ok(()),
+                    Entry::Closed | Entry::Expired => return Ok(()),
                 }
             }
         }
         let button = match self.button(&dialog, id).await? {
             Entry::Line(label) => label,
             Entry::End => return self.send(Say::Declined(id)).await,
-            Entry::Closed => return Ok(()),
+            Entry::Closed | Entry::Expired => return Ok(()),
         };
         let answer = v1::DialogAnswer { dialog: dialog.name, button, values };
         self.send(Say::Answer(v1::QuestionAnswer { question_id: id, answer: Some(answer) })).await
@@ -164,16 +174,18 @@ impl Attendant {
         let entry = loop {
             tokio::select! {
                 line = lines.recv() => break line.map_or(Entry::End, |line| Entry::Line(line.trim().to_owned())),
-                closed = self.listen() => {
-                    if closed? == Some(id) || self.ended.is_some() {
-                        break Entry::Closed;
-                    }
-                }
+                closed = self.listen() => match closed? {
+                    Some(closed) if closed.id == id && closed.expired => break Entry::Expired,
+                    Some(closed) if closed.id == id => break Entry::Closed,
+                    _ if self.ended.is_some() => break Entry::Closed,
+                    _ => {}
+                },
             }
         };
         self.lines = Some(lines);
         match entry {
             Entry::Closed => say::status_line(styled(DIM, "\n  already answered by another client")),
+            Entry::Expired => say::status_line(styled(WARN, EXPIRED)),
             Entry::End => say::status_line(styled(DIM, "\n  declined: end of input")),
             Entry::Line(_) => {}
         }
@@ -184,6 +196,10 @@ impl Attendant {
         self.say.send(v1::AttendRequest { content: Some(content) }).await.map_err(|_| gone())
     }
 }
+
+/// The message about a question that no client has answered.
+const EXPIRED: &str = "\n  too late: the time for an answer (operator_wait_s of the server) is over, and the dialog has failed \
+    (2910073)";
 
 /// The place of a question; a question before the first block has no line.
 fn place(file: &str, line: u32) -> String {
@@ -236,13 +252,16 @@ fn is_enabled(field: &v1::DialogField, entered: &Values, start: &Values) -> bool
     is_set != field.enabled_unless
 }
 
+/// A limit of a number from here on is none.
+const UNLIMITED: f64 = 1e15;
+
 /// Input that a field accepts, shown after its label.
 fn hint(kind: &Kind) -> String {
     match kind {
         Kind::LongestText(longest) => format!(", up to {longest} characters"),
         Kind::Number(number) => {
             let whole = if number.whole { ", whole" } else { "" };
-            match (number.min.abs() < 1e15, number.max.abs() < 1e15) {
+            match (number.min.abs() < UNLIMITED, number.max.abs() < UNLIMITED) {
                 (true, true) => format!(", {} to {}{whole}", number.min, number.max),
                 (true, false) => format!(", at least {}{whole}", number.min),
                 (false, true) => format!(", at most {}{whole}", number.max),
@@ -281,9 +300,11 @@ fn read(kind: &Kind, line: &str) -> Result<Value, String> {
             }
             _ => Ok(Value::Text(line.to_owned())),
         },
-        Kind::Number(_) => match line.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(Value::Number(number)),
-            _ => Err(format!("'{line}' is not a valid number")),
+        Kind::Number(v1::NumberField { min, max, whole }) => match line.parse::<f64>().ok().filter(|n| n.is_finite()) {
+            None => Err(format!("'{line}' is not a valid number")),
+            Some(number) if number < *min || number > *max => Err(outside(*min, *max, number)),
+            Some(number) if *whole && number.fract() != 0.0 => Err(format!("must be a whole number, not {number}")),
+            Some(number) => Ok(Value::Number(number)),
         },
         Kind::Check(_) => match line.to_lowercase().as_str() {
             "y" | "yes" | "true" | "on" | "1" => Ok(Value::Flag(true)),
@@ -300,6 +321,15 @@ fn read(kind: &Kind, line: &str) -> Result<Value, String> {
     }
 }
 
+/// The message about a number outside the limits of its field.
+fn outside(min: f64, max: f64, number: f64) -> String {
+    match (min.abs() < UNLIMITED, max.abs() < UNLIMITED) {
+        (true, true) => format!("must be {min} to {max}, not {number}"),
+        (true, false) => format!("must be at least {min}, not {number}"),
+        (false, _) => format!("must be at most {max}, not {number}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -312,7 +342,8 @@ mod tests {
 
     #[test]
     fn input_that_the_server_refuses_is_asked_for_again() {
-        let (text, number) = (Kind::LongestText(3), Kind::Number(v1::NumberField::default()));
+        let any = v1::NumberField { min: f64::MIN, max: f64::MAX, whole: false };
+        let (text, number) = (Kind::LongestText(3), Kind::Number(any));
         assert_eq!(read(&text, "äöü"), Ok(Value::Text("äöü".to_owned())));
         assert_eq!(read(&text, "abcd"), Err("the text has 4 characters; at most 3 are allowed".to_owned()));
         assert_eq!(read(&number, "-1.5"), Ok(Value::Number(-1.5)));
@@ -360,7 +391,13 @@ mod tests {
         assert_eq!(shown(&jaws, &Value::Number(20.0)), "hard");
         let number = Kind::Number(v1::NumberField { min: 1.0, max: 40.0, whole: true });
         assert_eq!(hint(&number), ", 1 to 40, whole");
-        assert_eq!(read(&number, "2.5"), Ok(Value::Number(2.5)), "limits are the server's to check");
+        assert_eq!(read(&number, "40"), Ok(Value::Number(40.0)));
+        assert_eq!(read(&number, "2.5"), Err("must be a whole number, not 2.5".to_owned()));
+        for outside in ["0", "41", "-3"] {
+            assert_eq!(read(&number, outside), Err(format!("must be 1 to 40, not {outside}")));
+        }
+        let least = Kind::Number(v1::NumberField { min: 1.0, max: f64::MAX, whole: false });
+        assert_eq!(read(&least, "0.5"), Err("must be at least 1, not 0.5".to_owned()));
         assert!(read(&number, "two").is_err());
         assert_eq!(read(&Kind::Check(v1::CheckField {}), "Yes"), Ok(Value::Flag(true)));
         assert!(read(&Kind::Check(v1::CheckField {}), "maybe").is_err());

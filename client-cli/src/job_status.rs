@@ -36,7 +36,29 @@ pub(crate) fn waits(job: &v1::JobStatus) -> Option<String> {
         "" => "a job of another tenant".to_owned(),
         id => format!("job {id}"),
     };
-    job.waits_for_suspect.then(|| format!("waits while {suspect}, suspected of causing the last crash, runs alone"))
+    let alone = || format!("waits while {suspect}, suspected of causing the last crash, runs alone");
+    job.waits_for_suspect.then(alone).or_else(|| job.worker_wait.as_ref().map(waits_for_worker))
+}
+
+/// The wait of a queued job for a worker that jobs of the same tenant hold.
+fn waits_for_worker(wait: &v1::WorkerWait) -> String {
+    let v1::WorkerWait { workers, waiting_for_client, tenant_running } = *wait;
+    let standing = match waiting_for_client {
+        1 => "1 of them waits for a client".to_owned(),
+        count => format!("{count} of them wait for a client"),
+    };
+    match (tenant_running, waiting_for_client) {
+        (false, count) if count == workers => {
+            format!("waits for a worker: {count} of {workers} are held by jobs that wait for a client")
+        }
+        (false, _) => format!("waits for a worker: your jobs hold {workers} of {workers}, and {standing}"),
+        (true, 0) => format!("waits for a worker: your tenant may have {workers} (tenant_running), and has {workers}"),
+        (true, _) => {
+            format!(
+                "waits for a worker: your tenant may have {workers} (tenant_running), and has {workers}; {standing}"
+            )
+        }
+    }
 }
 
 /// The kind of client for which a running job waits: `an operator`, `a step command`.
@@ -53,7 +75,10 @@ pub(crate) fn waits_for_client(job: &str, wait: &v1::OperatorWait) -> String {
         v1::OperatorAction::Command => "step",
         v1::OperatorAction::Answer | v1::OperatorAction::Unspecified => "attend",
     };
-    format!("waits for {} since {} UTC: counterpoint {command} {job}", awaited(wait), instant(wait.since_ms))
+    // An earlier server does not tell the end.
+    let until = if wait.until_ms > 0 { format!(", until {} UTC", instant(wait.until_ms)) } else { String::new() };
+    let (client, since) = (awaited(wait), instant(wait.since_ms));
+    format!("waits for {client} since {since} UTC{until}: counterpoint {command} {job} (needs the role operate)")
 }
 
 /// The action that a job needs in order to continue: the wait for a client, or the pause.
@@ -175,7 +200,16 @@ fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     }
     if let Some(wait) = &job.operator_wait {
         let action = wait.action().as_str_name().trim_start_matches("OPERATOR_ACTION_");
-        add("operator_wait", serde_json::json!({ "action": action, "since_ms": wait.since_ms }));
+        add(
+            "operator_wait",
+            serde_json::json!({ "action": action, "since_ms": wait.since_ms, "until_ms": wait.until_ms }),
+        );
+    }
+    if let Some(v1::WorkerWait { workers, waiting_for_client, tenant_running }) = job.worker_wait {
+        let wait = serde_json::json!({
+            "workers": workers, "waiting_for_client": waiting_for_client, "tenant_running": tenant_running,
+        });
+        add("worker_wait", wait);
     }
     if job.cancel_requested {
         add("cancel_requested", true.into());
@@ -231,16 +265,21 @@ mod tests {
 
     #[test]
     fn a_job_that_waits_for_a_client_names_the_command() {
-        let wait = |action: v1::OperatorAction| v1::OperatorWait { action: action.into(), since_ms: 1000 };
+        let wait =
+            |action: v1::OperatorAction| v1::OperatorWait { action: action.into(), since_ms: 1000, until_ms: 61_000 };
         let answer = wait(v1::OperatorAction::Answer);
-        let text = "waits for an operator since 1970-01-01 00:00:01 UTC: counterpoint attend a";
-        assert_eq!(held("a", Some(&answer), false).as_deref(), Some(text));
-        let text = "waits for a step command since 1970-01-01 00:00:01 UTC: counterpoint step a";
-        assert_eq!(held("a", Some(&wait(v1::OperatorAction::Command)), false).as_deref(), Some(text));
+        let times = "since 1970-01-01 00:00:01 UTC, until 1970-01-01 00:01:01 UTC";
+        let text = format!("waits for an operator {times}: counterpoint attend a (needs the role operate)");
+        assert_eq!(held("a", Some(&answer), false), Some(text));
+        let text = format!("waits for a step command {times}: counterpoint step a (needs the role operate)");
+        assert_eq!(held("a", Some(&wait(v1::OperatorAction::Command)), false), Some(text));
         assert_eq!(held("a", Some(&answer), true).as_deref(), Some("paused: counterpoint resume a"));
         assert_eq!(held("a", None, false), None);
         let job = v1::JobStatus { operator_wait: Some(answer), ..Default::default() };
-        assert_eq!(as_json(&job)["operator_wait"], serde_json::json!({ "action": "ANSWER", "since_ms": 1000 }));
+        assert_eq!(
+            as_json(&job)["operator_wait"],
+            serde_json::json!({ "action": "ANSWER", "since_ms": 1000, "until_ms": 61_000 })
+        );
         assert_eq!(as_json(&v1::JobStatus::default()).get("operator_wait"), None);
     }
 
@@ -262,5 +301,22 @@ mod tests {
         let text = "waits while a job of another tenant, suspected of causing the last crash, runs alone";
         assert_eq!(waits(&other).as_deref(), Some(text));
         assert_eq!(waits(&v1::JobStatus::default()), None);
+        for (workers, waiting_for_client, tenant_running, text) in [
+            (2, 2, false, "waits for a worker: 2 of 2 are held by jobs that wait for a client"),
+            (2, 1, false, "waits for a worker: your jobs hold 2 of 2, and 1 of them waits for a client"),
+            (1, 0, true, "waits for a worker: your tenant may have 1 (tenant_running), and has 1"),
+            (
+                3,
+                2,
+                true,
+                "waits for a worker: your tenant may have 3 (tenant_running), and has 3; 2 of them wait for a client",
+            ),
+        ] {
+            let wait = v1::WorkerWait { workers, waiting_for_client, tenant_running };
+            let job = v1::JobStatus { worker_wait: Some(wait), ..Default::default() };
+            assert_eq!(waits(&job).as_deref(), Some(text));
+            let json = &as_json(&job)["worker_wait"];
+            assert_eq!((&json["workers"], &json["tenant_running"]), (&workers.into(), &tenant_running.into()));
+        }
     }
 }

@@ -188,7 +188,7 @@ pub(crate) async fn list(arguments: Jobs) -> Result<u8, Error> {
     let now = now_ms();
     lines.extend(rows.iter().map(|job| row(job, arguments.long, now)));
     say::data(table(&lines, head.len()).as_bytes())?;
-    let waiting = rows.iter().filter(|job| job.waits_for_suspect).count();
+    let waiting = rows.iter().filter(|job| waits(job).is_some()).count();
     if let Some(wait) = rows.iter().find_map(waits) {
         say::status_line(format!("waiting jobs in this list: {waiting}; each {wait}"));
     }
@@ -227,7 +227,11 @@ mod tests {
         let job = v1::JobStatus {
             job_id: "01938f2c".to_owned(),
             state: v1::JobState::Running.into(),
-            operator_wait: Some(v1::OperatorWait { action: v1::OperatorAction::Command.into(), since_ms: 4000 }),
+            operator_wait: Some(v1::OperatorWait {
+                action: v1::OperatorAction::Command.into(),
+                since_ms: 4000,
+                until_ms: 64_000,
+            }),
             ..Default::default()
         };
         assert_eq!(row(&job, true, 5000)[1], "RUNNING (waits for a step command)");

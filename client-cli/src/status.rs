@@ -119,7 +119,11 @@ mod tests {
             labels: [("name".to_owned(), "bracket 17".to_owned()), ("shift".to_owned(), "early".to_owned())].into(),
             machine_guess: "T1 M6 (line 2)".to_owned(),
             suspect: true,
-            operator_wait: Some(v1::OperatorWait { action: v1::OperatorAction::Answer.into(), since_ms: 4000 }),
+            operator_wait: Some(v1::OperatorWait {
+                action: v1::OperatorAction::Answer.into(),
+                since_ms: 4000,
+                until_ms: 64_000,
+            }),
             priority: v1::JobPriority::Normal.into(),
             ..Default::default()
         };
@@ -134,7 +138,8 @@ mod tests {
                 "submitted     1970-01-01 00:00:01 UTC",
                 "started       1970-01-01 00:00:03 UTC",
                 "ran           00:01.500",
-                "waits         for an operator since 1970-01-01 00:00:04 UTC: counterpoint attend 01938f2c",
+                "waits         for an operator since 1970-01-01 00:00:04 UTC, until 1970-01-01 00:01:04 UTC: counterpoint attend \
+                 01938f2c (needs the role operate)",
                 "suspect       the server died while this job was at work: it runs alone at first, and other jobs wait",
             ]
         );

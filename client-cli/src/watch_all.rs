@@ -170,11 +170,16 @@ mod tests {
         let job = v1::JobStatus {
             job_id: "01938f2c".to_owned(),
             state: v1::JobState::Running.into(),
-            operator_wait: Some(v1::OperatorWait { action: v1::OperatorAction::Command.into(), since_ms: 4000 }),
+            operator_wait: Some(v1::OperatorWait {
+                action: v1::OperatorAction::Command.into(),
+                since_ms: 4000,
+                until_ms: 64_000,
+            }),
             ..Default::default()
         };
         let line = line(&job, false);
-        let text = "  waits for a step command since 1970-01-01 00:00:04 UTC: counterpoint step 01938f2c";
+        let text = "  waits for a step command since 1970-01-01 00:00:04 UTC, until 1970-01-01 00:01:04 UTC: counterpoint \
+                    step 01938f2c (needs the role operate)";
         assert!(line.starts_with("01938f2c  RUNNING") && line.ends_with(text), "{line}");
     }
 

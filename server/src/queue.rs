@@ -49,6 +49,16 @@ pub(crate) struct Look<'a> {
     pub(crate) stands: &'a dyn Fn(&str) -> bool,
 }
 
+/// The jobs of a tenant on workers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct OnWorkers {
+    pub(crate) running: usize,
+    /// Of these, jobs whose runs waited for a client at the last look.
+    pub(crate) standing: usize,
+    /// Most workers of the tenant; 0 = without limit.
+    pub(crate) most: usize,
+}
+
 /// Jobs that wait, and who has a place. Calls do not block.
 pub(crate) trait Queue: Send + Debug {
     /// Lets each tenant have `most` workers, and single tenants other numbers; 0 = without limit. Jobs that run
@@ -111,6 +121,9 @@ pub(crate) trait Queue: Send + Debug {
 
     /// Whether these are the jobs of [`Queue::idle`].
     fn are_idle(&self, jobs: &BTreeSet<String>) -> bool;
+
+    /// The jobs of a tenant on workers.
+    fn on_workers(&self, tenant: &str) -> OnWorkers;
 
     /// Number of jobs on workers.
     fn workers(&self) -> usize;

@@ -11,6 +11,7 @@ use dashmap::DashMap;
 use tokio::sync::watch;
 
 use super::feed::Feed;
+use super::limits::late;
 use super::live::{Live, lock};
 use super::recent::Recent;
 use super::suspicion::time_alone;
@@ -21,7 +22,6 @@ use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::memory::Memory;
 use crate::queue::{Entry, Look, Queue, Ticket};
 use crate::reason::Refusal;
-use crate::utc::instant;
 
 /// First and longest pause before a job is run again after the host has failed its run.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
@@ -384,7 +384,7 @@ impl Core {
         let record = live.record();
         let mut ended = Record { state: State::Failed, paused: false, ..record };
         ended.end(&self.board.clock);
-        ended.runs.limit = late(deadline);
+        ended.runs.limit = late(deadline, None);
         (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(Reached::Deadline));
         ended.error.clone_from(&ended.runs.limit);
         if let Err(error) = self.ledger.update_blocking(vec![ended.clone()]) {
@@ -463,15 +463,6 @@ impl Core {
         let entry = if live.paused() { Entry::Paused } else { Entry::Again(Instant::now()) };
         push(&mut *lock(&self.board.queue).jobs, live, entry);
     }
-}
-
-/// Why a job ends at its deadline.
-pub(super) fn late(deadline: i64) -> String {
-    let deadline = instant(deadline);
-    format!(
-        "the job had not ended at its deadline, {deadline} UTC: submit it again with a later deadline or a \
-         higher priority"
-    )
 }
 
 #[cfg(test)]

@@ -111,6 +111,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         waits_for_suspect: false,
         waits_for_job: String::new(),
         operator_wait: None,
+        worker_wait: None,
         // Only lists fill this field.
         short_id: String::new(),
     }

@@ -4,7 +4,10 @@
 
 use std::time::{Duration, Instant};
 
+use counterpoint_proto::v1;
+
 use crate::ledger::record::Reached;
+use crate::utc::instant;
 
 /// The limit that has stopped a run, and its effect.
 pub(crate) type Stopped = (Reached, String);
@@ -68,6 +71,27 @@ impl RunLimits {
         let deadline = deadline.and_then(|(at, stopped)| Some((now.checked_duration_since(*at)?, stopped.clone())));
         wall.into_iter().chain(deadline).max_by_key(|(beyond, _)| *beyond).map(|(_, stopped)| stopped)
     }
+}
+
+/// Why a job ends at its deadline; `question` is the dialog for whose answer it waits.
+pub(super) fn late(deadline: i64, question: Option<&v1::Question>) -> String {
+    let deadline = instant(deadline);
+    if let Some(v1::Question { dialog: Some(dialog), file, line, .. }) = question {
+        let place = match (file.as_str(), line) {
+            ("", _) => String::new(),
+            (file, 0) => format!(" ({file})"),
+            (file, line) => format!(" ({file} line {line})"),
+        };
+        return format!(
+            "the job had not ended at its deadline, {deadline} UTC: no client had answered the dialog '{}'{place}; \
+             submit the job again and answer the dialog in time, or give prepared answers",
+            dialog.name
+        );
+    }
+    format!(
+        "the job had not ended at its deadline, {deadline} UTC: submit it again with a later deadline or a \
+         higher priority"
+    )
 }
 
 #[cfg(test)]

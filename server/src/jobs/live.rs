@@ -13,8 +13,7 @@ use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
 use tokio::sync::watch;
 
-use super::board::late;
-use super::limits::{RunLimits, Stopped};
+use super::limits::{RunLimits, Stopped, late};
 pub(crate) use super::lock::lock;
 use super::operator::Desk;
 use super::step::Stepping;
@@ -236,7 +235,8 @@ impl Live {
     /// the job, ms since 1970, 0 = none.
     pub(crate) fn set_limits(&self, wall_ms: u64, bytes: u64, deadline_ms: i64) {
         let left = u64::try_from(deadline_ms.saturating_sub(now_ms())).unwrap_or(0);
-        let deadline = (deadline_ms > 0).then(|| (Duration::from_millis(left), (Reached::Deadline, late(deadline_ms))));
+        let deadline =
+            (deadline_ms > 0).then(|| (Duration::from_millis(left), (Reached::Deadline, late(deadline_ms, None))));
         lock(&self.limits).begin(Instant::now(), Duration::from_millis(wall_ms), deadline, bytes);
     }
 
@@ -248,8 +248,14 @@ impl Live {
     /// Stops the run if its time is over.
     pub(crate) fn check_clock(&self, now: Instant) {
         let over = lock(&self.limits).over(now);
-        if let Some(stopped) = over {
-            self.reach(stopped);
+        let Some((reached, text)) = over else { return };
+        let questions = self.desk_if_used().map(|desk| desk.questions()).unwrap_or_default();
+        match (reached, questions.first()) {
+            (Reached::Deadline, question @ Some(_)) => {
+                let deadline = self.peek(|record| record.asked.deadline_ms);
+                self.reach((reached, late(deadline, question)));
+            }
+            _ => self.reach((reached, text)),
         }
     }
 

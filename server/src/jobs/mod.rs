@@ -36,6 +36,7 @@ mod system;
 mod tally;
 pub(crate) mod turns;
 pub(crate) mod worker;
+pub(crate) mod worker_wait;
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -40,9 +40,14 @@ struct Inner {
     open: BTreeMap<u64, Open>,
     /// Number of questions of the run so far, by channel.
     asked: HashMap<u16, u64>,
+    /// The latest questions that no client answered in time.
+    expired: VecDeque<u64>,
     patience: Duration,
     closed: bool,
 }
+
+/// Most questions of which the desk remembers that they have expired.
+const MOST_EXPIRED: usize = 64;
 
 /// A question that is open.
 #[derive(Debug)]
@@ -127,9 +132,16 @@ impl Desk {
         lock(&self.inner).open.values().filter(|open| open.answer.is_none()).count()
     }
 
-    /// When the first of the open questions was asked, ms since 1970.
-    pub(super) fn asking_since(&self) -> Option<i64> {
-        lock(&self.inner).open.values().filter(|open| open.answer.is_none()).map(|open| open.since_ms).min()
+    /// Start and end of the wait of the first of the open questions, ms since 1970.
+    pub(super) fn wait(&self) -> Option<(i64, i64)> {
+        let inner = lock(&self.inner);
+        let since = inner.open.values().filter(|open| open.answer.is_none()).map(|open| open.since_ms).min()?;
+        Some((since, end_ms(since, inner.patience)))
+    }
+
+    /// Whether a question was closed because no client answered it in time.
+    pub(crate) fn is_expired(&self, id: u64) -> bool {
+        lock(&self.inner).expired.contains(&id)
     }
 
     /// Claims a question in order to answer it; `None` if the question is closed.
@@ -164,6 +176,11 @@ impl Desk {
     fn tell(&self) {
         self.changes.send_modify(|changes| *changes += 1);
     }
+}
+
+/// The end of a wait, ms since 1970.
+pub(super) fn end_ms(since_ms: i64, patience: Duration) -> i64 {
+    since_ms.saturating_add(i64::try_from(patience.as_millis()).unwrap_or(i64::MAX))
 }
 
 /// The number of a question within its channel, from 1.
@@ -229,6 +246,10 @@ impl Desk {
             };
             if let Some(outcome) = outcome {
                 inner.open.remove(&id);
+                if matches!(outcome, Outcome::Unanswered(_)) {
+                    inner.expired.truncate(MOST_EXPIRED - 1);
+                    inner.expired.push_front(id);
+                }
                 drop(inner);
                 self.tell();
                 return outcome;

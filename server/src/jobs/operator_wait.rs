@@ -16,9 +16,13 @@ use crate::ledger::record::{Record, State};
 impl Live {
     /// The wait of the run for a client.
     pub(crate) fn operator_wait(&self) -> Option<v1::OperatorWait> {
-        let wait = |action: v1::OperatorAction, since_ms| v1::OperatorWait { action: action.into(), since_ms };
-        let command = || Some(wait(v1::OperatorAction::Command, self.stepping_if_used()?.stands_since()?));
-        let answer = || Some(wait(v1::OperatorAction::Answer, self.desk_if_used()?.asking_since()?));
+        let wait = |action: v1::OperatorAction, (since_ms, until_ms)| v1::OperatorWait {
+            action: action.into(),
+            since_ms,
+            until_ms,
+        };
+        let command = || Some(wait(v1::OperatorAction::Command, self.stepping_if_used()?.standing_time()?));
+        let answer = || Some(wait(v1::OperatorAction::Answer, self.desk_if_used()?.wait()?));
         if self.state() == State::Running { answer().or_else(command) } else { None }
     }
 }

@@ -13,6 +13,7 @@ use counterpoint_kernel::operator::{Command, Console, Heard, Said};
 use tokio::sync::mpsc;
 
 use super::live::lock;
+use super::operator::end_ms;
 use crate::clock::now_ms;
 
 /// Where the commands for a job wait.
@@ -88,13 +89,14 @@ impl Stepping {
 
     /// Whether the run is paused, so that it takes no processor time until a command comes.
     pub(crate) fn stands(&self) -> bool {
-        self.stands_since().is_some()
+        self.standing_time().is_some()
     }
 
-    /// Since when the run waits for a command, ms since 1970.
-    pub(super) fn stands_since(&self) -> Option<i64> {
+    /// Start and end of the wait for a command, ms since 1970.
+    pub(super) fn standing_time(&self) -> Option<(i64, i64)> {
         let inner = lock(&self.inner);
-        (inner.stop.is_some() && inner.commands.is_empty()).then_some(inner.since_ms)
+        let waits = inner.stop.is_some() && inner.commands.is_empty();
+        waits.then(|| (inner.since_ms, end_ms(inner.since_ms, inner.patience)))
     }
 
     fn taken(&self, inner: &mut Inner) -> Heard {

@@ -22,6 +22,7 @@ use crate::jobs::filter::{Filter, States};
 use crate::jobs::operator_wait::status_now;
 use crate::jobs::progress;
 use crate::jobs::suspicion::LoneSuspect;
+use crate::jobs::worker_wait;
 use crate::ledger::record::{Record, State};
 use crate::ledger::{NewJob, PAGE_BYTES, Query};
 use crate::log::reader::Reader;
@@ -119,6 +120,7 @@ impl Service for Jobs {
             let file = |(path, digest): (String, String)| v1::FileRef { path, digest };
             let mut status = status_now(&core, record);
             LoneSuspect::of(&core).iter().for_each(|alone| alone.mark(&mut status));
+            worker_wait::mark(worker_wait::of(&core, &status.tenant), &mut status);
             let answer = v1::GetJobResponse {
                 files: work.files.into_iter().map(file).collect(),
                 options: Some(options),
@@ -163,6 +165,8 @@ impl Service for Jobs {
             if let Some(alone) = LoneSuspect::of(&core) {
                 jobs.iter_mut().for_each(|job| alone.mark(job));
             }
+            let wait = worker_wait::of(&core, &tenant);
+            jobs.iter_mut().for_each(|job| worker_wait::mark(wait, job));
             Ok(counted(v1::ListJobsResponse { jobs, next_page_token: page.next.unwrap_or_default() }, taken))
         };
         Ok(look_up(&self.0, &caller.identity.key(), read).await?)

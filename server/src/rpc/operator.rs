@@ -89,7 +89,7 @@ impl Service for Operator {
 }
 
 fn message(content: Content) -> v1::AttendResponse {
-    v1::AttendResponse { content: Some(content) }
+    v1::AttendResponse { content: Some(content), expired: false }
 }
 
 /// The message for a client that only watches.
@@ -100,7 +100,7 @@ fn watched(message: v1::AttendResponse) -> v1::WatchQuestionsResponse {
         Content::Closed(id) => Watched::Closed(id),
         Content::Ended(status) => Watched::Ended(status),
     });
-    v1::WatchQuestionsResponse { content }
+    v1::WatchQuestionsResponse { content, expired: message.expired }
 }
 
 /// A job of the caller's tenant that an operator attends.
@@ -207,7 +207,9 @@ impl Attend {
         let open: BTreeSet<u64> = questions.iter().map(|question| question.id).collect();
         let closed: Vec<u64> = self.shown.difference(&open).copied().collect();
         for id in closed {
-            self.send.send(Ok(message(Content::Closed(id)))).await.map_err(drop)?;
+            let expired = self.live.desk().is_expired(id);
+            let closed = v1::AttendResponse { expired, ..message(Content::Closed(id)) };
+            self.send.send(Ok(closed)).await.map_err(drop)?;
         }
         for question in questions.into_iter().filter(|question| !self.shown.contains(&question.id)) {
             self.send.send(Ok(message(Content::Question(question)))).await.map_err(drop)?;

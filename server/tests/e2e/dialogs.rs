@@ -91,6 +91,45 @@ async fn a_repeated_run_asks_no_question_again_that_nobody_answered_in_time() {
     }
 }
 
+/// A client that is late is told that the time was over, not that another client was first.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_question_that_expires_is_closed_as_such_and_an_answered_one_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let system = System { operator_wait_s: 1, ..System::default() };
+    let server = Server::start(Options { system, ..options(folder.path()) }).await;
+    let job = attended(&server, "fanuc-2path-lathe", "ASK One\nASK Two\nHANG").await;
+    let mut heard = questions(&server, &job).await;
+    let mut closed = Vec::new();
+    while closed.len() < 2 {
+        let message = tokio::time::timeout(PATIENCE, heard.message()).await.expect("in time").unwrap().unwrap();
+        match message.content.unwrap() {
+            Heard::Question(question) if question.id == 2 => answer(&server, &job, 2, "OK").await,
+            Heard::Question(question) => assert!(!message.expired, "{question:?}"),
+            Heard::Closed(id) => closed.push((id, message.expired)),
+            Heard::Ended(status) => panic!("{status:?}"),
+        }
+    }
+    assert_eq!(closed, [(1, true), (2, false)]);
+    server.stop().await;
+}
+
+/// A later deadline alone does not help a job that waits for an answer.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_that_waits_for_an_answer_at_its_deadline_names_the_dialog() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let mut request = server.request("late", "ASK Clamp").await;
+    request.options = Some(v1::JobOptions { attended: true, ..Default::default() });
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap();
+    request.deadline_ms = i64::try_from(now.as_millis()).unwrap() + 700;
+    let job = server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
+    let status = server.wait(&job).await;
+    assert_eq!(status.limit(), v1::JobLimit::Deadline, "{status:?}");
+    let text = format!("{} {}", status.error, status.verdict);
+    assert!(text.contains("no client had answered the dialog 'Clamp'") && !text.contains("priority"), "{text}");
+    server.stop().await;
+}
+
 /// A server on the real emulator, with a machine whose tool change asks the operator after a message.
 async fn asking_machine(options: Options) -> Server {
     const MACHINE: &str = "extends = \"fanuc-mill\"\n[ce]\nname = \"own\"\n[macros]\ntool = \"t.mac\"\n\

@@ -4,7 +4,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
-use counterpoint_server::options::{Options, System};
+use counterpoint_server::options::{Options, Quotas, System};
 use tokio_stream::wrappers::ReceiverStream;
 
 use crate::support::*;
@@ -68,6 +68,8 @@ async fn a_job_whose_dialog_is_open_waits_for_an_answer() {
     let wait = until_it_waits(&server, &job).await;
     assert_eq!(wait.action(), v1::OperatorAction::Answer);
     assert!((begin..=now_ms()).contains(&wait.since_ms), "{wait:?}");
+    let wait_s = i64::try_from(System::default().operator_wait_s).unwrap();
+    assert_eq!(wait.until_ms, wait.since_ms + 1000 * wait_s, "operator_wait_s of the server");
     assert_eq!(shown(&server, &job).await, Some(wait));
     until_reported(&mut watch, |status| status.operator_wait == Some(wait)).await;
     let answer = v1::DialogAnswer { button: "OK".into(), ..Default::default() };
@@ -86,6 +88,7 @@ async fn a_job_that_stands_waits_for_a_command() {
     let job = submit(&server, "STEP a\nHANG", v1::JobOptions { stepped: true, ..Default::default() }).await;
     let wait = until_it_waits(&server, &job).await;
     assert_eq!(wait.action(), v1::OperatorAction::Command);
+    assert_eq!(wait.until_ms, wait.since_ms + 600_000);
     assert_eq!(shown(&server, &job).await, Some(wait));
     let (say, requests) = tokio::sync::mpsc::channel(4);
     let content = |content| v1::DebugRequest { content: Some(content) };
@@ -133,5 +136,54 @@ async fn the_end_of_a_short_wait_is_reported_to_those_who_saw_it() {
     let answer = v1::AnswerQuestionRequest { job_id: job.clone(), question_id: 1, answer: Some(answer) };
     assert!(server.operator().answer_question(answer).await.unwrap().into_inner().accepted);
     until_reported(&mut watch, |status| status.job_id == job && status.operator_wait.is_none()).await;
+    server.stop().await;
+}
+
+/// The reason of a queued job, in its status and in lists.
+async fn until_it_waits_for_a_worker(server: &Server, job: &str) -> v1::WorkerWait {
+    let wait = async {
+        loop {
+            if let Some(wait) = server.status(job).await.worker_wait {
+                return wait;
+            }
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+    };
+    let wait = tokio::time::timeout(Duration::from_secs(20), wait).await.expect("the job has a reason to wait");
+    let list = server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap().into_inner();
+    for listed in list.jobs {
+        assert_eq!(listed.worker_wait, (listed.job_id == job).then_some(wait), "only the queued job waits: {listed:?}");
+    }
+    wait
+}
+
+/// The jobs of a tenant that wait for a client hold its workers.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_queued_job_says_that_jobs_which_wait_for_a_client_hold_all_workers() {
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(Options { workers: 1, ..options(data.path()) }).await;
+    let attended = v1::JobOptions { attended: true, ..Default::default() };
+    let asks = submit(&server, "ASK Clamp", attended).await;
+    until_it_waits(&server, &asks).await;
+    let job = server.submit("queued", "EVENTS 3").await;
+    let wait = until_it_waits_for_a_worker(&server, &job).await;
+    assert_eq!(wait, v1::WorkerWait { workers: 1, waiting_for_client: 1, tenant_running: false });
+    let answer = v1::DialogAnswer { button: "OK".into(), ..Default::default() };
+    let answer = v1::AnswerQuestionRequest { job_id: asks, question_id: 1, answer: Some(answer) };
+    assert!(server.operator().answer_question(answer).await.unwrap().into_inner().accepted);
+    assert_eq!(server.wait(&job).await.worker_wait, None);
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_queued_job_says_that_its_tenant_has_all_workers_of_its_quota() {
+    let data = tempfile::tempdir().unwrap();
+    let quotas = Quotas { tenant_running: 1, ..Quotas::default() };
+    let server = Server::start(Options { workers: 4, quotas, ..options(data.path()) }).await;
+    let hangs = server.submit("hangs", "HANG").await;
+    server.until(&hangs, v1::JobState::Running).await;
+    let job = server.submit("queued", "EVENTS 3").await;
+    let wait = until_it_waits_for_a_worker(&server, &job).await;
+    assert_eq!(wait, v1::WorkerWait { workers: 1, waiting_for_client: 0, tenant_running: true });
     server.stop().await;
 }

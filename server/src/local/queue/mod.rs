@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::queue::{Entry, Look, Queue, Ticket};
+use crate::queue::{Entry, Look, OnWorkers, Queue, Ticket};
 use line::{Line, Spot, class};
 use suspects::Suspects;
 use turns::Run;
@@ -249,6 +249,15 @@ impl Queue for LocalQueue {
     fn are_idle(&self, jobs: &BTreeSet<String>) -> bool {
         let mut count = 0;
         self.idle_jobs().inspect(|_| count += 1).all(|id| jobs.contains(id)) && count == jobs.len()
+    }
+
+    fn on_workers(&self, tenant: &str) -> OnWorkers {
+        let own = || self.running.iter().filter(|run| *run.tenant == *tenant);
+        OnWorkers {
+            running: own().count(),
+            standing: own().filter(|run| run.stands).count(),
+            most: self.own_running.get(tenant).copied().unwrap_or(self.most_running),
+        }
     }
 
     fn workers(&self) -> usize {

@@ -1,0 +1,53 @@
+//! The wait of a queued job for a worker that the jobs of its own tenant hold.
+//!
+//! *Invariant:* a tenant learns nothing about the jobs of other tenants.
+
+use counterpoint_proto::v1;
+
+use super::Core;
+use super::live::lock;
+use crate::queue::OnWorkers;
+
+/// Why no queued job of a tenant starts; `None` if its own jobs do not keep them from starting. A short wait behind jobs
+/// that work has no reason.
+pub(crate) fn of(core: &Core, tenant: &str) -> Option<v1::WorkerWait> {
+    let own = lock(&core.board.queue).jobs.on_workers(tenant);
+    reason(own, core.options.slots())
+}
+
+fn reason(OnWorkers { running, standing, most }: OnWorkers, slots: usize) -> Option<v1::WorkerWait> {
+    let by_quota = most > 0 && most < slots;
+    let workers = if by_quota { most } else { slots };
+    let wire = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+    let held = running >= workers && (by_quota || standing > 0);
+    held.then(|| v1::WorkerWait {
+        workers: wire(workers),
+        waiting_for_client: wire(standing),
+        tenant_running: by_quota,
+    })
+}
+
+/// Adds the reason to the status of a job of the tenant.
+pub(crate) fn mark(reason: Option<v1::WorkerWait>, status: &mut v1::JobStatus) {
+    if status.state() == v1::JobState::Queued && !status.paused && !status.waits_for_suspect {
+        status.worker_wait = reason;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_own_jobs_that_stand_and_the_quota_are_reasons() {
+        let of = |running, standing, most| {
+            let wait = reason(OnWorkers { running, standing, most }, 2)?;
+            Some((wait.workers, wait.waiting_for_client, wait.tenant_running))
+        };
+        assert_eq!(of(2, 2, 0), Some((2, 2, false)));
+        assert_eq!(of(2, 1, 5), Some((2, 1, false)));
+        assert_eq!(of(1, 0, 1), Some((1, 0, true)));
+        assert_eq!(of(1, 1, 1), Some((1, 1, true)));
+        assert_eq!((of(2, 0, 0), of(1, 1, 0), of(0, 0, 1)), (None, None, None));
+    }
+}
