@@ -71,6 +71,8 @@ pub struct Channel {
     pub axes: Vec<Axis>,
     /// Its tools work from below the turning axis.
     pub lower: bool,
+    /// Its program counts in inches until it selects a unit.
+    pub inch: bool,
 }
 
 /// An axis as results need it.

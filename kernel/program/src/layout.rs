@@ -13,6 +13,7 @@ use rustc_hash::FxHashSet;
 
 use super::callers::Callers;
 use super::mains::mains;
+use super::presets::begins_in_inches;
 use super::readers::{Reader, Readers};
 use super::sections;
 use super::shape::Range;
@@ -80,6 +81,7 @@ fn channels(machine: &Machine) -> Vec<Channel> {
             lines: (0, 0),
             file: 0,
             lower: c.lower,
+            inch: begins_in_inches(machine.of_channel(c.number)),
             axes: c
                 .axes
                 .iter()

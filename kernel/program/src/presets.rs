@@ -27,7 +27,7 @@ pub fn of<'s>(
 }
 
 /// Whether programs of a machine begin in inches, by its unit and its start state.
-fn begins_in_inches(machine: &Machine) -> bool {
+pub(crate) fn begins_in_inches(machine: &Machine) -> bool {
     let is_secondary = |id: &_| matches!(*id, codes::UNITS_SECONDARY | codes::UNITS_SECONDARY_LENGTHS);
     (machine.unit == Unit::Inch) != machine.initial.iter().any(is_secondary)
 }

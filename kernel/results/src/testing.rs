@@ -35,6 +35,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         lines: (1, 99),
         file: index as u16,
         lower: index == 1,
+        inch: false,
         axes: axes.iter().map(axis).collect(),
     };
     let file = |(index, text): (usize, &&str)| {

@@ -200,7 +200,7 @@ impl Track {
             face,
             tool: 0,
             end: None,
-            inch: None,
+            inch: (channel.inch != (info.unit == Unit::Inch)).then_some(channel.inch),
             cut_in_inch: None,
         }
     }

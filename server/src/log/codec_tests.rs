@@ -241,6 +241,7 @@ fn info() -> Info {
         file: 0,
         axes: ["X", "Y", "Z", "C"].iter().take(2 + usize::from(number)).map(|name| axis(name)).collect(),
         lower: false,
+        inch: false,
     };
     let file = |name: &str| File {
         name: name.into(),

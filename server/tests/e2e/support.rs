@@ -87,6 +87,7 @@ impl Runner for Script {
             lines: (1, 100),
             file: 0,
             lower: false,
+            inch: false,
             axes: vec![axis("X"), axis("Z")],
         };
         let file = File {

@@ -415,6 +415,19 @@ fn programs_in_inches_are_shown_in_inches() {
     assert!(svg.contains(">X / mm</text>") && svg.contains(">200</text>"), "{svg}");
 }
 
+/// A machine with CODE_UNITS_SECONDARY in `initial` begins in inches, and its programs select no unit.
+#[test]
+fn programs_of_a_machine_that_begins_in_inches_are_shown_in_inches() {
+    let mut info = mill("x");
+    let cut = [at(1, 2, 0, 1, Kind::Motion(motion(MotionKind::Linear, &[0.0, 0.0, 0.0], &[254.0, 0.0, 0.0])))];
+    Arc::get_mut(&mut info).unwrap().channels[0].inch = true;
+    let svg = results(&info, &cut, &outcome(1)).toolpath.svg();
+    assert!(svg.contains("toolpath, inch") && svg.contains(">X / inch</text>") && svg.contains(">10</text>"), "{svg}");
+    let select = [at(1, 1, 0, 0, Kind::mode("units mm")), cut[0].clone()];
+    let svg = results(&info, &select, &outcome(1)).toolpath.svg();
+    assert!(svg.contains("toolpath, mm") && svg.contains(">X / mm</text>"), "{svg}");
+}
+
 /// Live tools work where the part has been turned to: holes on a circle, a straight side by polar interpolation, an arc
 /// by C.
 #[test]
