@@ -82,6 +82,20 @@ fn variables_programs_statements_and_macros_are_explained() {
     assert!(text.contains("CODE_OKUMA_TOOL") || text.contains("REG_"), "{value}");
 }
 
+/// The number is that of #3000, which a program stored with the machine writes, on the base of the control.
+#[test]
+fn an_alarm_of_a_stored_program_is_explained_with_its_comment() {
+    for (number, machine, comment) in
+        [("3180", "mitsubishi-mill", "NO DRILLING CYCLE"), ("1012", "haas-mill", "G12 AND G13 NEED A RADIUS I")]
+    {
+        let (code, value) = explained(number, machine);
+        assert_eq!((code, &value["words"][0]["alarms"][0]["about"]), (0, &comment.into()), "{value}");
+        let (_, text, _) = counterpoint(&["explain", number, "--machine", machine]);
+        assert!(text.contains(&format!("): {comment}\n")) && text.contains("alarm of a program stored"), "{text}");
+    }
+    assert_eq!(explained("3999", "mitsubishi-mill").0, 2, "no program raises it");
+}
+
 #[test]
 fn a_diagnostic_and_an_alarm_are_explained_for_the_machine() {
     let (code, value) = explained("PS0217", "fanuc-lathe");

@@ -169,6 +169,7 @@ impl Subject {
             }
             known |= add("called", json!(self.called(asked)));
             known |= add("programs", json!(programs::of_word(machine, asked, &self.called_numbers(asked))));
+            known |= add("alarms", json!(programs::that_raise(machine, asked)));
             known |= add("words", json!(arguments::of(machine, asked)));
             known |= add("rows", json!(self.rows(asked)));
             known |= add("diagnostic", self.diagnostic(asked));

@@ -60,6 +60,26 @@ pub(super) fn stored(machine: &Machine, word: &str) -> Vec<Value> {
     own.map(row).collect()
 }
 
+/// Places in stored programs that raise the alarm of this number, with their comments.
+pub(super) fn that_raise(machine: &Machine, number: &str) -> Vec<Value> {
+    let own = number.parse().ok().and_then(|number: u32| number.checked_sub(machine.variables.system.alarm));
+    let Some(own) = own.filter(|_| machine.variables.system.alarm > 0) else { return Vec::new() };
+    let raises = format!("#3000={own}");
+    let mut found = Vec::new();
+    for file in machine.storage.iter() {
+        let text = String::from_utf8_lossy(&file.content);
+        for (line, at) in text.lines().zip(1..) {
+            let Some((_, rest)) = line.split_once(&raises) else { continue };
+            if rest.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
+                continue;
+            }
+            let comment = rest.trim().trim_start_matches('(').trim_end_matches(')');
+            found.push(json!({ "path": format!("//ICAMFS/{}", file.path), "line": at, "about": comment }));
+        }
+    }
+    found
+}
+
 /// Name of a file without folder and ending.
 pub(super) fn stem(path: &str) -> Option<&str> {
     let file = path.rsplit('/').next()?;

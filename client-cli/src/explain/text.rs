@@ -69,6 +69,10 @@ fn one(out: &mut String, word: &Value) {
             line(out, &format!("  reads {parameters}"));
         }
     }
+    for alarm in rows(word.at("alarms")) {
+        let place = format!("{}:{}", of(alarm.at("path")), alarm.at("line"));
+        line(out, &format!("\nalarm of a program stored with the machine ({place}): {}", of(alarm.at("about"))));
+    }
     let words: Vec<Vec<String>> =
         rows(word.at("words")).map(|row| vec![of(row.at("word")), of(row.at("meaning"))]).collect();
     if !words.is_empty() {

@@ -158,7 +158,12 @@ fn assign(host: &mut dyn Host, target: &Target, value: &Expr) -> Result<(), Aban
     match index {
         3000 => {
             let alarm = f64::from(host.program_alarm()) + number(value);
-            let text = format!("alarm {alarm} raised by the program in '{}'", host.block_text());
+            let block = host.block_text();
+            // The block of a program that this project ships is not shown, but its comment names the cause.
+            let own = host.part((0, u32::MAX));
+            let comment = comment(&own).filter(|comment| !block.contains(comment));
+            let comment = comment.map_or(String::new(), |comment| format!(" ({comment})"));
+            let text = format!("alarm {alarm}{comment} raised by the program in '{block}'");
             Err(host.alarm(&diag::MACRO_ALARM, text).into())
         }
         3006 => {
@@ -171,6 +176,12 @@ fn assign(host: &mut dyn Host, target: &Target, value: &Expr) -> Result<(), Aban
             Err(fault) => abandons(host, &fault),
         },
     }
+}
+
+/// The last comment of a block.
+fn comment(block: &str) -> Option<&str> {
+    let (_, comment) = block.rsplit_once('(')?;
+    Some(comment.split(')').next()?.trim()).filter(|comment| !comment.is_empty())
 }
 
 /// Prints a line.

@@ -141,7 +141,8 @@ impl Kernel<'_> {
 
     pub(crate) fn span_text(&self, (start, end): (u32, u32)) -> String {
         let line = self.text_bytes();
-        String::from_utf8_lossy(line.get(start as usize..end as usize).unwrap_or_default()).trim().to_owned()
+        let end = line.len().min(end as usize);
+        String::from_utf8_lossy(line.get(start as usize..end).unwrap_or_default()).trim().to_owned()
     }
 
     /// Treats a program name: at the start of its block it defines the program; elsewhere it is unknown text.
