@@ -28,6 +28,6 @@ pub(crate) fn machine(pack: &Pack, waits: Option<&RangeInclusive<u32>>) -> Resul
         });
     }
     let candidates = candidates(&package::shipped(), &package::shipped_names());
-    signs::guess(&candidates, &programs, waits)
+    signs::guess(&candidates, &programs, waits, &|| false)
         .map_err(|why| Error::Usage(format!("no machine given, and {why}; {ASK}")))
 }

@@ -139,6 +139,8 @@ fn examine(folder: &Path, repair: bool) -> ExitCode {
 /// A thread for work that may block ends when it had none for so long. Idle threads take turns, so under steady load a
 /// longer time would keep as many indefinitely as the largest burst has needed.
 const IDLE_THREAD: Duration = Duration::from_millis(100);
+/// Time for reads that are in progress when the server has stopped.
+const LAST_READS: Duration = Duration::from_secs(1);
 
 fn main() -> ExitCode {
     let arguments: Arguments = environment::parse();
@@ -196,7 +198,10 @@ fn start(options: Options, config: Option<&Path>) -> Result<(), Box<dyn std::err
         .thread_name("rpc")
         .thread_keep_alive(IDLE_THREAD)
         .build()?;
-    Ok(runtime.block_on(serve(options, config))?)
+    let served = runtime.block_on(serve(options, config));
+    // Reads for clients that have gone do not delay the end.
+    runtime.shutdown_timeout(LAST_READS);
+    Ok(served?)
 }
 
 /// Files and folders that the server makes are for its own user only.

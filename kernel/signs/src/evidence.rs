@@ -14,8 +14,18 @@ use super::prose::Lines;
 /// Signs named in an answer.
 const NAMED: usize = 3;
 
-/// Bytes of a program that are searched.
+/// Most bytes of a program that are searched, and of all programs of a job.
 const LOOKED_AT: usize = 4 << 20;
+const LOOKED_AT_IN_ALL: usize = 16 << 20;
+
+/// Bytes of each of `programs` programs that are searched.
+#[must_use]
+pub fn searched_bytes(programs: usize) -> usize {
+    LOOKED_AT.min(LOOKED_AT_IN_ALL / programs.max(1))
+}
+
+/// Lines that are searched between two looks whether to stop.
+const LINES_BETWEEN_STOPS: u32 = 256;
 
 /// A program of a job.
 #[derive(Debug, Clone)]
@@ -104,15 +114,18 @@ pub(crate) struct Evidence {
 
 impl Evidence {
     /// Looks for patterns in programs.
-    pub(crate) fn of(programs: &[Program], patterns: &[&Pattern]) -> Self {
+    pub(crate) fn of(programs: &[Program], patterns: &[&Pattern], stop: &dyn Fn() -> bool) -> Result<Self, String> {
         let mut search = Search::new(patterns);
         let mut evidence = Self { names: programs.iter().map(|one| one.name.clone()).collect(), ..Self::default() };
         for (index, program) in programs.iter().enumerate() {
             search.name(index, &program.name);
-            let content = program.content.slice(..program.content.len().min(LOOKED_AT));
+            let content = program.content.slice(..program.content.len().min(searched_bytes(programs.len())));
             let text = Text::new(content, || false);
             let mut current = None;
             for line in 1..=text.lines() {
+                if line % LINES_BETWEEN_STOPS == 0 && stop() {
+                    return Err("the search for signs was stopped".to_owned());
+                }
                 let bytes = text.line(line);
                 current = definition(bytes).or(current);
                 evidence.definitions += usize::from(definition(bytes).is_some());
@@ -125,7 +138,7 @@ impl Evidence {
             }
         }
         evidence.found = search.into_found();
-        evidence
+        Ok(evidence)
     }
 
     /// The rows of tables that the programs show, each pattern once with its highest weight.
@@ -261,5 +274,22 @@ impl<'p> Search<'p> {
             Some((sought.pattern.text().to_owned(), Found { text, ..last })).filter(|_| !sought.refuted)
         };
         self.sought.into_iter().filter_map(one).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_programs_of_a_job_have_a_bounded_share_and_a_stop_ends_the_search() {
+        assert_eq!([1, 4, 16, 64].map(searched_bytes), [4 << 20, 4 << 20, 1 << 20, 256 << 10]);
+        let content = Bytes::from("G1 X1\n".repeat(2 * LINES_BETWEEN_STOPS as usize));
+        let program = Program { name: "a.nc".into(), content, number: None, part: false };
+        let looks = std::cell::Cell::new(0);
+        let stop = || looks.replace(looks.get() + 1) == 1;
+        assert!(Evidence::of(std::slice::from_ref(&program), &[], &stop).is_err());
+        assert_eq!(looks.get(), 2);
+        assert!(Evidence::of(&[program], &[], &|| false).is_ok());
     }
 }

@@ -17,7 +17,8 @@ const ENOUGH: u32 = 2;
 
 /// Guesses the machine for programs, left to right, among `candidates`.
 ///
-/// `waits` are the M codes that are waiting codes, if they differ from those of the machines.
+/// `waits` are the M codes that are waiting codes, if they differ from those of the machines. Of each program the first
+/// [`searched_bytes`](super::searched_bytes) count. The search ends early if `stop` returns true.
 ///
 /// # Errors
 ///
@@ -26,6 +27,7 @@ pub fn guess(
     candidates: &[Candidate],
     programs: &[Program],
     waits: Option<&RangeInclusive<u32>>,
+    stop: &dyn Fn() -> bool,
 ) -> Result<Guess, String> {
     let candidates = &with_waits(candidates, waits);
     let tables = candidates.iter().flat_map(|candidate| {
@@ -34,7 +36,7 @@ pub fn guess(
         [&signs.marks, &signs.waits, &signs.channels].into_iter().chain(named)
     });
     let patterns: Vec<&Pattern> = tables.flatten().map(|(pattern, _)| pattern).collect();
-    let evidence = Evidence::of(programs, &patterns);
+    let evidence = Evidence::of(programs, &patterns, stop)?;
     let control = decide(candidates, &evidence)?;
     let of_control = candidates.iter().filter(|candidate| candidate.signs.control == control.title);
     let machines: Vec<_> = of_control.map(|candidate| Machine::of(candidate, &evidence)).collect();

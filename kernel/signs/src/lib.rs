@@ -12,7 +12,7 @@ mod judge;
 mod pattern;
 mod prose;
 
-pub use evidence::{Program, has_program};
+pub use evidence::{Program, has_program, searched_bytes};
 pub use judge::guess;
 pub use pattern::Pattern;
 

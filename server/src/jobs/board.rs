@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use dashmap::DashMap;
-use tokio::sync::watch;
+use tokio::sync::{Notify, watch};
 
 use super::feed::Feed;
 use super::limits::late;
@@ -21,7 +21,6 @@ use crate::clock::Clock;
 use crate::ledger::record::{Cause, Reached, Record, State, now_ms};
 use crate::memory::Memory;
 use crate::queue::{Entry, Look, Queue, Ticket};
-use crate::reason::Refusal;
 
 /// First and longest pause before a job is run again after the host has failed its run.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
@@ -31,7 +30,7 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 pub(super) struct Waiting {
     pub(super) jobs: Box<dyn Queue>,
     /// Places given to submits whose ledger entry is in progress, by tenant.
-    reserved: HashMap<String, usize>,
+    pub(super) reserved: HashMap<String, usize>,
     /// Jobs on workers that let others have their core.
     suspended: BTreeMap<String, Arc<Live>>,
     /// Busy jobs whose marks say that they use no processor time.
@@ -45,6 +44,8 @@ pub(super) struct Waiting {
 pub(super) struct Board {
     pub(super) live: DashMap<String, Arc<Live>>,
     pub(super) queue: Mutex<Waiting>,
+    /// A reserved place was given back.
+    pub(super) given_back: Notify,
     recent: Mutex<Recent>,
     /// Jobs with a deadline that has not been reached, in its order.
     deadlines: Mutex<BTreeSet<(i64, String)>>,
@@ -81,6 +82,7 @@ impl Board {
                 idle: BTreeSet::new(),
                 cleared: Vec::new(),
             }),
+            given_back: Notify::new(),
             recent: Mutex::default(),
             deadlines: Mutex::default(),
             feed: Feed::new(epoch),
@@ -98,13 +100,6 @@ impl Board {
         *lock(&self.ticked) = Instant::now();
         self.tally.report();
     }
-}
-
-/// Whether a tenant may let another job wait, in a queue for `most` jobs of which `all` wait, `own` of them of the
-/// tenant. A full queue still has a tenth of its places for each tenant, but in all no more than as many again: one
-/// tenant cannot fill it for the others.
-fn has_place(most: usize, all: usize, own: usize) -> bool {
-    all < most || own < all && own < (most / 10).max(1) && all < most.saturating_mul(2)
 }
 
 /// Why and with that where a job waits that no worker has had.
@@ -126,40 +121,6 @@ fn push(queue: &mut dyn Queue, live: &Live, entry: Entry) {
 }
 
 impl Core {
-    /// A place in the queue for a submit in progress, given back when dropped.
-    pub(super) fn reserve(self: &Arc<Self>, tenant: &str) -> Result<impl Drop + Send + use<>, Refusal> {
-        struct Place(Arc<Core>, String);
-        impl Drop for Place {
-            fn drop(&mut self) {
-                let mut queue = lock(&self.0.board.queue);
-                let left = queue.reserved.get_mut(&self.1).map(|own| {
-                    *own -= 1;
-                    *own
-                });
-                if left == Some(0) {
-                    queue.reserved.remove(&self.1);
-                }
-            }
-        }
-        if self.drain.begun() {
-            return Err(Refusal::Draining { cursor: 0 });
-        }
-        let most = self.quotas_of(tenant).tenant_queued;
-        let mut queue = lock(&self.board.queue);
-        let own = queue.jobs.waiting_of(tenant) + queue.reserved.get(tenant).copied().unwrap_or(0);
-        if most > 0 && own >= most {
-            let text = format!("{own} jobs wait: submit again after some of them have started, or cancel some");
-            return Err(Refusal::quota(tenant, "tenant_queued", most as u64, text));
-        }
-        let free = self.options.slots().saturating_sub(queue.jobs.workers());
-        let all = queue.jobs.len() + queue.reserved.values().sum::<usize>();
-        if !has_place(self.options.queue + free, all, own) {
-            return Err(Refusal::QueueFull(self.options.queue));
-        }
-        *queue.reserved.entry(tenant.to_owned()).or_default() += 1;
-        Ok(Place(self.clone(), tenant.to_owned()))
-    }
-
     /// Takes up a job, once.
     pub(super) fn admit(&self, live: Arc<Live>) {
         if self.enter(&live) {
@@ -462,19 +423,5 @@ impl Core {
     pub(super) fn put_back(&self, live: &Live) {
         let entry = if live.paused() { Entry::Paused } else { Entry::Again(Instant::now()) };
         push(&mut *lock(&self.board.queue).jobs, live, entry);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_full_queue_has_places_for_tenants_that_have_few() {
-        assert!(has_place(10, 9, 9) && !has_place(10, 10, 10), "a tenant alone may fill it");
-        assert!(has_place(10, 10, 0) && has_place(10, 19, 0) && !has_place(10, 20, 0));
-        assert!(!has_place(10, 11, 1), "a tenth of the places is one");
-        assert!(has_place(100, 100, 9) && !has_place(100, 110, 10));
-        assert!(!has_place(0, 0, 0));
     }
 }

@@ -4,7 +4,7 @@
 //! in `live`, and is either in the queue or on a worker thread, until the server drains. A fault of the host never ends
 //! a job: its run is dropped and started again later.
 
-mod admission;
+pub(crate) mod admission;
 mod attended;
 mod board;
 pub(crate) mod describe;
@@ -186,7 +186,7 @@ impl Core {
     /// Accepts a job; the answer says whether it was known.
     pub(crate) async fn submit(self: &Arc<Self>, job: Box<NewJob>) -> Result<(Box<Record>, bool), Refusal> {
         // The ledger finds out whether the request is a repeat. A repeat needs neither memory nor a place in the queue.
-        let place = match admission::place(self, &job.record.tenant) {
+        let place = match admission::place(self, &job.record.tenant).await {
             Ok(place) => place,
             Err(refusal) => return admission::known(self, &job)?.ok_or(refusal),
         };
@@ -195,10 +195,11 @@ impl Core {
         let kept = work.is_small().then(|| work.clone());
         // Jobs enter the queue in the order in which the ledger accepted them.
         let accepted = move |record: &Record| {
-            drop(place);
             if let Some(core) = core.upgrade() {
                 core.admit(core.accepted(record.clone(), kept));
             }
+            // Only now: no other submit may have the place between the two.
+            drop(place);
         };
         let (blobs, tenant) = (self.blobs.clone(), record.tenant.clone());
         let check = move |work: &Work| {

@@ -14,7 +14,8 @@ use tracing::Instrument as _;
 
 use super::door::{enter, page_token};
 use super::many::{self, Act, Choice};
-use super::{Jobs, blocking, job, look_up, submit, to_the_end, watch, watch_jobs};
+use super::submit::CheckedRequest;
+use super::{Jobs, job, look_up, submit, to_the_end, watch, watch_jobs};
 use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::{description, options, status};
@@ -62,6 +63,12 @@ async fn submitted(
     to_the_end(caller, submit).await
 }
 
+/// The answer to a request that repeats an earlier one; notes the job for the audit log.
+fn known(caller: &Caller, record: Box<Record>) -> (Box<Record>, bool) {
+    caller.about(&record.id);
+    (record, true)
+}
+
 /// Names the missing files of a job that is to run again: its client knows their paths, not their digests.
 fn by_path(refusal: Refusal, files: &[(String, String)]) -> Refusal {
     let Refusal::MissingBlobs(digests) = refusal else { return refusal };
@@ -89,13 +96,16 @@ impl Service for Jobs {
         }
         let parent = request.metadata().get("traceparent").and_then(|value| value.to_str().ok()).unwrap_or_default();
         let traceparent = trace::parse(parent).map_or_else(String::new, |_| parent.trim().to_owned());
-        let (core, (caller, request)) = (self.0.clone(), enter(request)?);
-        let tenant = caller.tenant().to_owned();
+        let (caller, request) = enter(request)?;
         let bytes = SUBMIT_COPIES * request.encoded_len() as u64;
-        let taken = submit::memory(&core, &tenant, &request.request_id, bytes).await?;
-        let mut job = blocking(move || submit::record(&core, &tenant, request)).await?;
-        job.record.runs.traceparent = traceparent;
-        let (record, duplicate) = submitted(&self.0, &caller, job, taken).await?;
+        let taken = submit::memory(&self.0, caller.tenant(), &request.request_id, bytes).await?;
+        let (record, duplicate) = match submit::check(&self.0, &caller, request).await? {
+            CheckedRequest::New(mut job) => {
+                job.record.runs.traceparent = traceparent;
+                submitted(&self.0, &caller, job, taken).await?
+            }
+            CheckedRequest::Known(record) => known(&caller, record),
+        };
         Ok(Response::new(v1::SubmitJobResponse { status: Some(status(*record)), duplicate }))
     }
 
@@ -268,14 +278,18 @@ impl Service for Jobs {
         if self.0.drain.begun() {
             return Err(Refusal::Draining { cursor: 0 }.into());
         }
-        let (core, (caller, request)) = (self.0.clone(), enter(request)?);
-        let earlier = job(&core, &caller, &request.job_id)?;
-        let bytes = SUBMIT_COPIES * earlier.bytes();
-        let taken = submit::memory(&core, caller.tenant(), &request.request_id, bytes).await?;
-        let job = blocking(move || submit::rerun(&core, earlier, request)).await?;
-        let files = job.work.files.clone();
-        let done = submitted(&self.0, &caller, job, taken).await;
-        let (record, duplicate) = done.map_err(|refusal| by_path(refusal, &files))?;
+        let (caller, request) = enter(request)?;
+        let earlier = job(&self.0, &caller, &request.job_id);
+        let bytes = SUBMIT_COPIES * earlier.as_ref().map_or(0, Record::bytes);
+        let taken = submit::memory(&self.0, caller.tenant(), &request.request_id, bytes).await?;
+        let (record, duplicate) = match submit::check_rerun(&self.0, &caller, earlier, request).await? {
+            CheckedRequest::New(job) => {
+                let files = job.work.files.clone();
+                let done = submitted(&self.0, &caller, job, taken).await;
+                done.map_err(|refusal| by_path(refusal, &files))?
+            }
+            CheckedRequest::Known(record) => known(&caller, record),
+        };
         Ok(Response::new(v1::RerunJobResponse { status: Some(status(*record)), duplicate }))
     }
 

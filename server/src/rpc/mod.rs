@@ -7,6 +7,7 @@ mod answers;
 mod blobs;
 mod debug;
 mod door;
+mod guess;
 mod jobs;
 mod machines;
 mod many;

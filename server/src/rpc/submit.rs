@@ -8,24 +8,73 @@ use std::sync::Arc;
 use counterpoint_kernel::diag;
 use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::job::Program;
-use counterpoint_kernel::machine::{signs, similar};
+use counterpoint_kernel::machine::similar;
 use counterpoint_kernel::options::{Limits, Options, Races, TimeModel};
 use counterpoint_proto::v1;
 use prost::Message as _;
 
 use super::blocking;
 use super::door::some_entries;
+use super::guess::{Search, guessed};
+use crate::access::Caller;
 use crate::blobs::digest;
 use crate::jobs::Core;
+use crate::jobs::admission::known_by_content;
 use crate::ledger::NewJob;
 use crate::ledger::record::{Asked, CONTENT, Priority, Record, Runs, Work, now_ms};
-use crate::machines::{Definition, candidates, is_shipped, shipped};
+use crate::machines::{Definition, is_shipped, shipped};
 use crate::memory::Taken;
 use crate::reason::Refusal;
 
+/// A request that has been checked.
+pub(super) enum CheckedRequest {
+    New(Box<NewJob>),
+    /// It repeats the request for this job, and could not be accepted any more.
+    Known(Box<Record>),
+}
+
 /// Checks a request and makes the record of a new job.
-pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -> Result<Box<NewJob>, Refusal> {
-    let content = content_of(&request);
+pub(super) async fn check(
+    core: &Arc<Core>,
+    caller: &Caller,
+    request: v1::SubmitJobRequest,
+) -> Result<CheckedRequest, Refusal> {
+    let turn = match request.machine.is_empty() {
+        true => Some(core.streams.lookups.turn(&caller.identity.key()).await),
+        false => None,
+    };
+    let search = Search::default();
+    let (core, tenant, stop) = (core.clone(), caller.tenant().to_owned(), search.stop());
+    blocking(move || {
+        // The thread holds the turn, because it may continue after its client has disconnected.
+        let _turn = turn;
+        let (content, request_id) = (content_of(&request), request.request_id.clone());
+        match record(&core, &tenant, content.clone(), request, &stop) {
+            Ok(job) => Ok(CheckedRequest::New(job)),
+            Err(refusal) => known(&core, &tenant, &request_id, &content, refusal),
+        }
+    })
+    .await
+}
+
+/// The job of a repeated request that was refused, for example because its machine has been deleted.
+fn known(
+    core: &Core,
+    tenant: &str,
+    request_id: &str,
+    content: &str,
+    refusal: Refusal,
+) -> Result<CheckedRequest, Refusal> {
+    known_by_content(core, tenant, request_id, content)?.map(CheckedRequest::Known).ok_or(refusal)
+}
+
+fn record(
+    core: &Core,
+    tenant: &str,
+    content: String,
+    request: v1::SubmitJobRequest,
+    stop: &dyn Fn() -> bool,
+) -> Result<Box<NewJob>, Refusal> {
     let files = files(core, &request.files)?;
     let programs = programs(core, &request.programs, &files)?;
     let files: Vec<_> = files.into_iter().collect();
@@ -44,7 +93,7 @@ pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -
     core.blobs.of(tenant).require(&mut files.iter().map(|(_, digest)| digest))?;
     let (machine_name, guess) = match request.machine {
         named if !named.is_empty() => (named, String::new()),
-        _ => guessed(core, tenant, &programs, &files)?,
+        _ => guessed(core, tenant, &programs, &files, stop)?,
     };
     let asked = Asked { guess, ..asked };
     let machine = machine(core, tenant, &machine_name)?;
@@ -78,12 +127,38 @@ pub(super) async fn memory(core: &Arc<Core>, tenant: &str, request_id: &str, byt
     }
 }
 
-/// Checks a request and makes the record of a job that runs another one again.
-pub(super) fn rerun(core: &Core, earlier: Record, mut request: v1::RerunJobRequest) -> Result<Box<NewJob>, Refusal> {
+/// Checks a request to run a job again, and makes the record of the new job.
+pub(super) async fn check_rerun(
+    core: &Arc<Core>,
+    caller: &Caller,
+    earlier: Result<Record, Refusal>,
+    request: v1::RerunJobRequest,
+) -> Result<CheckedRequest, Refusal> {
+    let (core, tenant) = (core.clone(), caller.tenant().to_owned());
+    blocking(move || {
+        let (content, request_id) = (content_of_rerun(&request), request.request_id.clone());
+        match earlier.and_then(|earlier| rerun(&core, earlier, content.clone(), request)) {
+            Ok(job) => Ok(CheckedRequest::New(job)),
+            Err(refusal) => known(&core, &tenant, &request_id, &content, refusal),
+        }
+    })
+    .await
+}
+
+/// Digest of a request to run a job again, without the request id and the deadline.
+fn content_of_rerun(request: &v1::RerunJobRequest) -> String {
+    let sent = v1::RerunJobRequest { request_id: String::new(), deadline_ms: 0, ..request.clone() };
+    format!("{CONTENT}{}", digest(&sent.encode_to_vec()))
+}
+
+fn rerun(
+    core: &Core,
+    earlier: Record,
+    content: String,
+    mut request: v1::RerunJobRequest,
+) -> Result<Box<NewJob>, Refusal> {
     let work = core.work(&earlier.id)?;
     let request_id = std::mem::take(&mut request.request_id);
-    let sent = v1::RerunJobRequest { deadline_ms: 0, ..request.clone() };
-    let content = format!("{CONTENT}{}", digest(&sent.encode_to_vec()));
     // An early row has the limits that counted then instead of those that were requested.
     let early = || Some(work.options.limits.clone()).filter(|_| !earlier.content.starts_with(CONTENT));
     let asked = Asked {
@@ -272,28 +347,6 @@ fn or_default(asked: &Limits) -> Limits {
         macro_steps: or(asked.macro_steps, default.macro_steps),
     }
     .capped()
-}
-
-/// The machine guessed from the programs of a job, and the signs.
-fn guessed(
-    core: &Core,
-    tenant: &str,
-    programs: &[Program],
-    files: &[(String, String)],
-) -> Result<(String, String), Refusal> {
-    let blobs = core.blobs.of(tenant);
-    let mut looked_at = Vec::with_capacity(programs.len());
-    for program in programs {
-        let Some((_, digest)) = files.iter().find(|(path, _)| *path == program.file) else { continue };
-        let part = program.number.is_some() || program.section.is_some();
-        let content = blobs.read(digest)?;
-        looked_at.push(signs::Program { name: program.file.clone(), content, number: program.number, part });
-    }
-    let candidates = candidates(&core.blobs, &core.ledger.machines(tenant)?)?;
-    match signs::guess(&candidates, &looked_at, None) {
-        Ok(guess) => Ok((guess.machine, guess.why)),
-        Err(why) => Err(Refusal::field("machine", format!("none is named, and {why}"))),
-    }
 }
 
 /// The machine that a name means to a tenant, pinned to its revision.

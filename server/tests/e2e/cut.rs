@@ -42,14 +42,14 @@ impl Gate {
 }
 
 /// A server on such a disk, and a caller.
-struct Cut {
+pub(crate) struct Cut {
     gate: Arc<Gate>,
-    server: Server,
-    caller: As,
+    pub(crate) server: Server,
+    pub(crate) caller: As,
 }
 
 impl Cut {
-    async fn start(options: Options, token: &str) -> Self {
+    pub(crate) async fn start(options: Options, token: &str) -> Self {
         let gate = Arc::new(Gate::default());
         let server = Server::start_on(options, Disk::faulty(gate.clone())).await;
         let caller = As::new(&server, token);
@@ -83,7 +83,17 @@ impl Cut {
         String::from_utf8_lossy(&answer).into_owned()
     }
 
-    async fn submit(&self, id: &str, script: &str, options: v1::JobOptions) -> String {
+    /// Closes or opens the disk.
+    pub(crate) fn close(&self, closed: bool) {
+        self.gate.set(closed);
+    }
+
+    /// Waits until a change is on the way to the closed disk.
+    pub(crate) async fn held(&self) {
+        self.gate.held.notified().await;
+    }
+
+    pub(crate) async fn submit(&self, id: &str, script: &str, options: v1::JobOptions) -> String {
         let submitted = self.caller.submit_with(id, "fanuc-2path-lathe", script, Some(options)).await;
         submitted.unwrap().job_id
     }
@@ -94,7 +104,7 @@ impl Cut {
     }
 
     /// Waits for the state of a job.
-    async fn until(&self, job: &str, good: impl Fn(&v1::JobStatus) -> bool) {
+    pub(crate) async fn until(&self, job: &str, good: impl Fn(&v1::JobStatus) -> bool) {
         for _ in 0..4000 {
             if good(&self.status(job).await) {
                 return;

@@ -75,6 +75,7 @@ mod pause;
 mod rate;
 mod reads;
 mod refusals;
+mod repeats;
 mod rerun;
 mod roles;
 mod share;

@@ -11,9 +11,9 @@ const JOBS: usize = 150;
 const LISTS: usize = 800;
 /// Calls on one connection, fewer than its streams.
 const OF_A_CONNECTION: usize = 40;
-/// Maximum number of lists of the flood that may be answered during one call of another identity: far more than have
-/// turns.
-const MEANWHILE: usize = LISTS / 8;
+const SEARCHES: usize = 160;
+/// Share of the calls of a flood that may be answered during one call of another identity: far more than have turns.
+const MEANWHILE: usize = 8;
 
 /// Before the first call of another identity, a single identity has no limit on its calls.
 #[tokio::test(flavor = "multi_thread")]
@@ -35,13 +35,41 @@ async fn a_call_of_another_identity_precedes_a_flood_of_lists() {
             flood.spawn(async move { jobs.list_jobs(request).await.is_ok() });
         }
     }
-    assert_eq!(flood.join_next().await.unwrap().ok(), Some(true));
+    assert!(flood.join_next().await.unwrap().unwrap(), "a list succeeds");
+    let list = async { drop(quiet.list().await) };
+    assert_precedes(&mut flood, list, LISTS).await;
+    server.stop().await;
+}
+
+/// The server looks for the machine of a program in its text.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_call_of_another_identity_precedes_a_flood_of_submits_without_a_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    let (server, noisy, quiet) = two_on(folder.path(), 0, Disk::default()).await;
+    let program = "G1 X1. Y2.5 F100 (to the next point)\n".repeat(1500);
+    for caller in [&noisy, &quiet] {
+        caller.upload(program.as_bytes()).await.unwrap();
+    }
+    let endpoint = Endpoint::from_shared(server.handle.url()).unwrap();
+    let mut flood = tokio::task::JoinSet::new();
+    for number in 0..SEARCHES {
+        let caller = As { connection: endpoint.connect_lazy(), ..noisy.clone() };
+        let request = request_of(&format!("s{number}"), "", &program);
+        flood.spawn(async move { caller.jobs().submit_job(request).await.is_ok() });
+    }
+    flood.join_next().await.unwrap().unwrap();
+    let search = async { drop(quiet.jobs().submit_job(request_of("own", "", &program)).await) };
+    assert_precedes(&mut flood, search, SEARCHES).await;
+    server.stop().await;
+}
+
+/// Checks that a call of another identity is answered before most of the calls of a flood, and ends the flood.
+async fn assert_precedes(flood: &mut tokio::task::JoinSet<bool>, call: impl Future<Output = ()>, calls: usize) {
     let answered = |flood: &mut tokio::task::JoinSet<bool>| std::iter::from_fn(|| flood.try_join_next()).count();
-    answered(&mut flood);
-    quiet.list().await;
-    let meanwhile = answered(&mut flood);
-    assert!(meanwhile < MEANWHILE, "{meanwhile} lists came first");
+    answered(flood);
+    call.await;
+    let meanwhile = answered(flood);
+    assert!(meanwhile < calls / MEANWHILE, "{meanwhile} calls came first");
     assert!(!flood.is_empty(), "the flood was over");
     flood.shutdown().await;
-    server.stop().await;
 }

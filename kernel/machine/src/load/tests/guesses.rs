@@ -23,7 +23,7 @@ fn of_files(files: &[(&str, &str)], waits: Option<&RangeInclusive<u32>>) -> Resu
         number: None,
         part: false,
     };
-    guess(shipped(), &files.iter().map(program).collect::<Vec<_>>(), waits)
+    guess(shipped(), &files.iter().map(program).collect::<Vec<_>>(), waits, &|| false)
 }
 
 fn machine(name: &str, text: &str) -> Result<String, String> {
@@ -186,7 +186,7 @@ fn comments_and_numbers_never_change_a_guess() {
         assert_eq!(machine("p.nc", &text.replace('\n', "\r\n")), known, "{text}");
         let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
         let program = Program { name: "p.nc".into(), content: Bytes::from(wide), number: None, part: false };
-        assert_eq!(guess(shipped(), &[program], None).map(|guess| guess.machine), known, "UTF-16: {text}");
+        assert_eq!(guess(shipped(), &[program], None, &|| false).map(|guess| guess.machine), known, "UTF-16: {text}");
     }
 }
 
@@ -310,7 +310,7 @@ fn a_program_of_a_file_is_judged_alone() {
     let of = |number: u32| {
         let content = Bytes::from(text.as_bytes());
         let program = Program { name: "both.nc".into(), content, number: Some(number), part: true };
-        guess(shipped(), &[program], None).unwrap().machine
+        guess(shipped(), &[program], None, &|| false).unwrap().machine
     };
     assert_eq!((of(1).as_str(), of(2).as_str()), ("fanuc-mill", "fanuc-lathe"));
 }
