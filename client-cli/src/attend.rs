@@ -252,7 +252,7 @@ fn is_enabled(field: &v1::DialogField, entered: &Values, start: &Values) -> bool
     is_set != field.enabled_unless
 }
 
-/// A limit of a number from here on is none.
+/// A number field has no limit if the magnitude of its limit is at least this.
 const UNLIMITED: f64 = 1e15;
 
 /// Input that a field accepts, shown after its label.

@@ -82,7 +82,7 @@ fn variables_programs_statements_and_macros_are_explained() {
     assert!(text.contains("CODE_OKUMA_TOOL") || text.contains("REG_"), "{value}");
 }
 
-/// The number is that of #3000, which a program stored with the machine writes, on the base of the control.
+/// The number of the alarm is the value that a stored program writes to #3000, plus the base of the control.
 #[test]
 fn an_alarm_of_a_stored_program_is_explained_with_its_comment() {
     for (number, machine, comment) in

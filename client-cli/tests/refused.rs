@@ -11,7 +11,7 @@ use served::{Server, program};
 
 const CLEAN: &str = "O1\nG21 G90 G0 X1.\nM30\n";
 
-/// An empty value comes from an unset variable. Without its condition a filter would select the jobs of others.
+/// An empty value usually comes from an unset variable. Without its condition a filter would select the jobs of others.
 #[test]
 fn an_empty_value_of_an_option_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -26,7 +26,7 @@ const PREFIX: &str = "COUNTERPOINT_";
 /// Further variables: the filter of the log, and those of the clients.
 const OTHERS: [&str; 6] = ["LOG", "SERVER", "TOKEN", "CA", "CLIENT_CERT", "CLIENT_KEY"];
 
-/// A message for each variable `COUNTERPOINT_…` that belongs to no option, with a similar name.
+/// A message for each unknown variable `COUNTERPOINT_…`, with a similar name if there is one.
 #[must_use]
 pub fn unknown<T: Parser>() -> Vec<String> {
     let command = T::command();
@@ -48,7 +48,7 @@ fn text(name: &str, known: &[&str]) -> String {
     format!("the variable '{PREFIX}{name}' has no effect: {near}docs/operations.md lists the variables")
 }
 
-/// Whether Kubernetes makes the variable, for a service `counterpoint` or `counterpoint-…` of the same namespace.
+/// Whether Kubernetes sets the variable for a service `counterpoint` or `counterpoint-…` of the same namespace.
 fn is_of_kubernetes(name: &str) -> bool {
     let name = format!("_{name}");
     let ports = name.rsplit_once("_PORT_").is_some_and(|(_, rest)| rest.starts_with(|c: char| c.is_ascii_digit()));

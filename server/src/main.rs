@@ -139,7 +139,7 @@ fn examine(folder: &Path, repair: bool) -> ExitCode {
 /// A thread for work that may block ends when it had none for so long. Idle threads take turns, so under steady load a
 /// longer time would keep as many indefinitely as the largest burst has needed.
 const IDLE_THREAD: Duration = Duration::from_millis(100);
-/// Time for reads that are in progress when the server has stopped.
+/// Maximum time for reads that are still in progress when the server has stopped.
 const LAST_READS: Duration = Duration::from_secs(1);
 
 fn main() -> ExitCode {

@@ -53,9 +53,9 @@ pub(crate) struct Look<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct OnWorkers {
     pub(crate) running: usize,
-    /// Of these, jobs whose runs waited for a client at the last look.
+    /// Number of these jobs whose runs waited for a client at the last look.
     pub(crate) standing: usize,
-    /// Most workers of the tenant; 0 = without limit.
+    /// Maximum number of workers of the tenant; 0 = no limit.
     pub(crate) most: usize,
 }
 

@@ -1,9 +1,9 @@
-//! Commands that other programs have under another name.
+//! Names of commands in other programs.
 
 use clap::Error;
 use clap::error::{ContextKind, ContextValue};
 
-/// Words for commands, and the command that does the work here.
+/// Commands of other programs, each with the equivalent command.
 const ELSEWHERE: [(&str, &str); 5] = [
     ("check", "lint"),
     ("diff", "machine diff"),
@@ -12,7 +12,7 @@ const ELSEWHERE: [(&str, &str); 5] = [
     ("simulate", "run"),
 ];
 
-/// Adds the command to the message about a word that is not a command.
+/// Adds the equivalent command to the message about an unknown command.
 pub(crate) fn with_similar_command(mut error: Error) -> Error {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else { return error };
     let found = ELSEWHERE.iter().find(|(other, _)| other == word).map(|(_, command)| (*command).to_owned());

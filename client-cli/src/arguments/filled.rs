@@ -1,6 +1,6 @@
 //! Values of options that must not be empty.
 //!
-//! *Invariant:* an empty value is refused, never ignored: it comes from an unset variable of a shell, and a filter
+//! *Invariant:* an empty value is refused, never ignored. It usually comes from an unset shell variable, and a filter
 //! without its condition selects the jobs of others.
 
 /// The end of the message about an empty value.

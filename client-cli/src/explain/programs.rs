@@ -60,7 +60,7 @@ pub(super) fn stored(machine: &Machine, word: &str) -> Vec<Value> {
     own.map(row).collect()
 }
 
-/// Places in stored programs that raise the alarm of this number, with their comments.
+/// Blocks of stored programs that raise the alarm with this number, with their comments.
 pub(super) fn that_raise(machine: &Machine, number: &str) -> Vec<Value> {
     let own = number.parse().ok().and_then(|number: u32| number.checked_sub(machine.variables.system.alarm));
     let Some(own) = own.filter(|_| machine.variables.system.alarm > 0) else { return Vec::new() };

@@ -67,7 +67,7 @@ impl<'k, 'a> Act<'k, 'a> {
         &self.kernel.channel
     }
 
-    /// The same, to change them.
+    /// The data of the channel, mutable.
     #[inline(always)]
     pub(crate) fn channel_mut(&mut self) -> &mut Channel<'a> {
         &mut self.kernel.channel

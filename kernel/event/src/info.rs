@@ -71,7 +71,7 @@ pub struct Channel {
     pub axes: Vec<Axis>,
     /// Its tools work from below the turning axis.
     pub lower: bool,
-    /// Its program counts in inches until it selects a unit.
+    /// Its program uses inches until it selects a unit.
     pub inch: bool,
 }
 

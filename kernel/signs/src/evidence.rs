@@ -14,17 +14,17 @@ use super::prose::Lines;
 /// Signs named in an answer.
 const NAMED: usize = 3;
 
-/// Most bytes of a program that are searched, and of all programs of a job.
+/// Maximum number of bytes searched in a program, and in all programs of a job.
 const LOOKED_AT: usize = 4 << 20;
 const LOOKED_AT_IN_ALL: usize = 16 << 20;
 
-/// Bytes of each of `programs` programs that are searched.
+/// Number of bytes searched in each program of a job that has this number of programs.
 #[must_use]
 pub fn searched_bytes(programs: usize) -> usize {
     LOOKED_AT.min(LOOKED_AT_IN_ALL / programs.max(1))
 }
 
-/// Lines that are searched between two looks whether to stop.
+/// Number of lines searched between two checks for a stop.
 const LINES_BETWEEN_STOPS: u32 = 256;
 
 /// A program of a job.

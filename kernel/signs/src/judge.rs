@@ -17,8 +17,8 @@ const ENOUGH: u32 = 2;
 
 /// Guesses the machine for programs, left to right, among `candidates`.
 ///
-/// `waits` are the M codes that are waiting codes, if they differ from those of the machines. Of each program the first
-/// [`searched_bytes`](super::searched_bytes) count. The search ends early if `stop` returns true.
+/// `waits` are the M codes that are waiting codes, if they differ from those of the machines. Only the first
+/// [`searched_bytes`](super::searched_bytes) of each program count. The search ends early if `stop` returns true.
 ///
 /// # Errors
 ///

@@ -16,7 +16,7 @@ use crate::reason::Refusal;
 /// Why a submit has no place in the queue.
 struct NoPlace {
     refusal: Refusal,
-    /// Submits in progress have the last places. They give them back if they repeat earlier submits.
+    /// Submits in progress hold the last places. They release these places if they repeat earlier submits.
     reserved: bool,
 }
 
@@ -26,8 +26,8 @@ impl From<Refusal> for NoPlace {
     }
 }
 
-/// A place in the queue for a job of a tenant, if a job can be accepted now. While only submits in progress keep it
-/// from a place, it waits for them.
+/// A place in the queue for a job of a tenant, if a job can be accepted now. If only submits in progress hold the last
+/// places, waits for them.
 pub(super) async fn place(core: &Arc<Core>, tenant: &str) -> Result<impl Drop + Send + use<>, Refusal> {
     let mut given_back: Option<Pin<Box<Notified<'_>>>> = None;
     loop {
@@ -117,8 +117,8 @@ pub(super) fn known(core: &Core, job: &NewJob) -> Result<Option<(Box<Record>, bo
     repeat(core, known).map(Some)
 }
 
-/// Same for a request that cannot be checked any more, for example because its machine has been deleted: `content` is
-/// its digest. `None` if no job has this content.
+/// The job of a repeated request that can no longer be checked, for example because its machine has been deleted.
+/// `content` is the digest of the request. `None` if no job has this content.
 pub(crate) fn known_by_content(
     core: &Core,
     tenant: &str,

@@ -73,7 +73,7 @@ impl RunLimits {
     }
 }
 
-/// Why a job ends at its deadline; `question` is the dialog for whose answer it waits.
+/// The message for a job that ends at its deadline; `question` is the dialog for whose answer the job waits.
 pub(super) fn late(deadline: i64, question: Option<&v1::Question>) -> String {
     let deadline = instant(deadline);
     if let Some(v1::Question { dialog: Some(dialog), file, line, .. }) = question {

@@ -46,7 +46,7 @@ struct Inner {
     closed: bool,
 }
 
-/// Most questions of which the desk remembers that they have expired.
+/// Maximum number of expired questions that the desk remembers.
 const MOST_EXPIRED: usize = 64;
 
 /// A question that is open.

@@ -8,8 +8,8 @@ use super::Core;
 use super::live::lock;
 use crate::queue::OnWorkers;
 
-/// Why no queued job of a tenant starts; `None` if its own jobs do not keep them from starting. A short wait behind jobs
-/// that work has no reason.
+/// Why no queued job of a tenant starts; `None` if its own jobs do not prevent it. Unless the quota is reached, jobs
+/// are a reason only if one of them waits for a client.
 pub(crate) fn of(core: &Core, tenant: &str) -> Option<v1::WorkerWait> {
     let own = lock(&core.board.queue).jobs.on_workers(tenant);
     reason(own, core.options.slots())

@@ -1,6 +1,6 @@
 //! The file in a folder to which a backup or a restore writes. A command that is killed leaves it there.
 //!
-//! *Invariant:* no server uses a folder with this file: its content may be a part of the jobs only.
+//! *Invariant:* no server uses a folder with this file, because the folder may contain only some of the jobs.
 
 use std::io;
 use std::path::Path;
@@ -10,7 +10,7 @@ pub(crate) const CLAIM: &str = "copy-in-progress";
 
 /// The problem of a folder with the file.
 pub(crate) const UNFINISHED: &str = "a backup or a restore is writing to this folder, or was killed";
-/// Its remedy.
+/// The remedy for [`UNFINISHED`].
 pub(crate) const REMEDY: &str =
     "if none is running, the content is incomplete: remove the folder, and run the backup or restore again";
 

@@ -1,7 +1,7 @@
 //! The machine of a submit that names none, guessed from its programs.
 //!
 //! *Invariants:* the search reads a bounded number of bytes, which count in the memory budget, and ends when its client
-//! has gone.
+//! has disconnected.
 
 use std::collections::BTreeMap;
 use std::io::Read as _;
@@ -24,7 +24,7 @@ const CHUNK: usize = 64 << 10;
 pub(super) struct Search(Arc<AtomicBool>);
 
 impl Search {
-    /// Whether the search is to stop.
+    /// A check whether the search must stop.
     pub(super) fn stop(&self) -> impl Fn() -> bool + Send + use<> {
         let gone = self.0.clone();
         move || gone.load(Ordering::Relaxed)
@@ -68,7 +68,7 @@ pub(super) fn guessed(
     }
 }
 
-/// The first bytes of a file, which is read to its end for its checksum.
+/// The first bytes of a file. The file is read to its end in order to verify its checksum.
 fn head(core: &Core, tenant: &str, digest: &str, most: usize, stop: &dyn Fn() -> bool) -> Result<Bytes, Refusal> {
     let mut content = core.blobs.of(tenant).open(digest)?;
     let (mut head, mut chunk) = (Vec::new(), vec![0; CHUNK]);

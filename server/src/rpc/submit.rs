@@ -29,7 +29,7 @@ use crate::reason::Refusal;
 /// A request that has been checked.
 pub(super) enum CheckedRequest {
     New(Box<NewJob>),
-    /// It repeats the request for this job, and could not be accepted any more.
+    /// A repeat of the request for this job, which could no longer be accepted as a new one.
     Known(Box<Record>),
 }
 

@@ -91,7 +91,7 @@ async fn a_repeated_run_asks_no_question_again_that_nobody_answered_in_time() {
     }
 }
 
-/// A client that is late is told that the time was over, not that another client was first.
+/// The message to a late client reports that the time was over, not that another client was first.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_question_that_expires_is_closed_as_such_and_an_answered_one_is_not() {
     let folder = tempfile::tempdir().unwrap();

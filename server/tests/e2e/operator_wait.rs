@@ -139,7 +139,7 @@ async fn the_end_of_a_short_wait_is_reported_to_those_who_saw_it() {
     server.stop().await;
 }
 
-/// The reason of a queued job, in its status and in lists.
+/// Waits until the status and the lists show why a queued job waits; returns the reason.
 async fn until_it_waits_for_a_worker(server: &Server, job: &str) -> v1::WorkerWait {
     let wait = async {
         loop {

@@ -16,7 +16,7 @@ use tonic::transport::Channel;
 
 use crate::support::digest;
 
-/// The latest end of a server after a signal: half of the time of the search.
+/// Maximum time until a server ends after a signal: half the time of the search.
 const LAST_END: Duration = Duration::from_secs(25);
 
 /// A server with all lines in its log.

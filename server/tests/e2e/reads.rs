@@ -12,7 +12,7 @@ const LISTS: usize = 800;
 /// Calls on one connection, fewer than its streams.
 const OF_A_CONNECTION: usize = 40;
 const SEARCHES: usize = 160;
-/// Share of the calls of a flood that may be answered during one call of another identity: far more than have turns.
+/// Fewer than one in this many calls of a flood may be answered during one call of another identity.
 const MEANWHILE: usize = 8;
 
 /// Before the first call of another identity, a single identity has no limit on its calls.

@@ -258,7 +258,7 @@ fn a_wrong_value_names_the_variable_that_has_it() {
 }
 
 /// A misspelled variable has no effect, so the server reports it. Variables of the clients, and those that Kubernetes
-/// makes for a service of the name, are no mistakes.
+/// sets for a service of this name, are not reported.
 #[test]
 fn a_variable_without_an_option_is_reported_with_a_similar_name() {
     let (code, _, text) = outcome(&["--print-config"], &[("COUNTERPOINT_QUEU", "3"), ("COUNTERPOINT_ZZZZZZ", "1")]);

@@ -44,7 +44,7 @@ fn compare(a: Option<&Value>, b: Option<&Value>) -> Ordering {
 /// Rows of the tool table with the dummy tool (reference system-variables.md 13).
 pub(crate) const MOST_TOOLS: usize = 200;
 
-/// The rows of the tool table: which tools they are, and their order.
+/// The tools in the rows of the tool table, and the order of the rows.
 #[derive(Debug, Default)]
 pub(crate) struct ToolTable {
     /// Tools loaded so far; the first row of the tool table is the dummy tool.
@@ -77,8 +77,8 @@ impl ToolTable {
         store.element(names().tool_table, (column, at as i64 + 2))
     }
 
-    /// The row of a tool. A new row gets the machine's data; values that macros have written there stay. None if the
-    /// table is full.
+    /// The row of a tool. A new row gets the machine's data; values that macros have written there are kept. None if
+    /// the table is full.
     pub(crate) fn load(&mut self, store: &mut Store, tool: u32, facts: Option<&ToolFacts>) -> Option<usize> {
         if let Some(at) = self.loaded.iter().position(|known| *known == tool) {
             return Some(at + 2);

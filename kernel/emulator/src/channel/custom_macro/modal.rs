@@ -138,7 +138,7 @@ impl Flow {
         self.modal_call().is_some_and(|call| call.each) && !block.words.is_empty()
     }
 
-    /// Calls after a block if that has moved.
+    /// Makes the modal call after a block that has moved.
     #[cold]
     pub(crate) fn call_modally(&mut self, block: &mut Block) {
         if !block.flags.moved {

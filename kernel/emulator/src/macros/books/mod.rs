@@ -31,17 +31,17 @@ pub(crate) struct Books {
 }
 
 impl Books {
-    /// The block has this sequence number.
+    /// Records the sequence number of a block.
     pub(crate) fn note_sequence(&mut self, number: u32) {
         self.last_sequence = number;
     }
 
-    /// A tool is loaded at this clock: its row of the tool table counts from now on.
+    /// Switches the sums to the row of the tool that is loaded at this clock, ns.
     pub(crate) fn switch_tool(&mut self, row: usize, clock: i64) {
         self.tool_sums.switch(row, clock);
     }
 
-    /// The program starts again: it has no operations.
+    /// Removes all operations, because the program starts again.
     pub(crate) fn forget_operations(&mut self) {
         self.operations = Operations::default();
     }

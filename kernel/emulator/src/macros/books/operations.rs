@@ -91,7 +91,7 @@ fn active_diameter(channel: &Channel<'_>) -> u32 {
 }
 
 impl Books {
-    /// A tool has been changed: an operation begins.
+    /// Begins an operation after a tool change.
     pub(crate) fn begin_with_tool(&mut self, channel: &Channel<'_>, store: &Store) {
         (self.operations.assigned, self.operations.first) = (0, 0);
         let name = std::mem::take(&mut self.operations.name);

@@ -121,7 +121,7 @@ fn travel_place(tools: &ToolTable, of_tools: bool, at: &[i64]) -> Option<(usize,
 }
 
 impl Books {
-    /// Finds the column of each axis of the channel, none for those that the tables do not have.
+    /// Finds the column of each axis of the channel; `None` for an axis that the tables do not have.
     pub(crate) fn set_columns(&mut self, channel: &Channel<'_>) {
         for (column, id) in AXES.into_iter().enumerate() {
             let axis = channel.axis_of_data(id).or_else(|| second_table(channel, id));
