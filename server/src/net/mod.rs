@@ -415,7 +415,11 @@ fn detailed(response: Response<Body>) -> Response<Body> {
 
 /// Time that `grpc-timeout` gives a call, if any.
 fn deadline(headers: &HeaderMap) -> Result<Option<Duration>, Refusal> {
-    let Some(value) = headers.get("grpc-timeout") else { return Ok(None) };
+    let mut values = headers.get_all("grpc-timeout").iter();
+    let Some(value) = values.next() else { return Ok(None) };
+    if values.next().is_some() {
+        return Err(Refusal::field("grpc-timeout", "must be given once"));
+    }
     let wrong = || Refusal::field("grpc-timeout", "must be 1 to 8 digits and a unit (H, M, S, m, u, n)");
     value.to_str().ok().and_then(span).map(Some).ok_or_else(wrong)
 }
@@ -464,6 +468,9 @@ mod tests {
             deadline(&headers)
         };
         assert_eq!(deadline(&HeaderMap::new()), Ok(None));
+        let mut twice = HeaderMap::new();
+        ["5S", "6S"].map(|text| twice.append("grpc-timeout", text.parse().unwrap()));
+        assert!(deadline(&twice).is_err());
         assert_eq!(read("5S"), Ok(Some(Duration::from_secs(5))));
         assert_eq!(read("250m"), Ok(Some(Duration::from_millis(250))));
         assert_eq!(read("99999999H"), Ok(Some(Duration::from_secs(99_999_999 * 3600))));
