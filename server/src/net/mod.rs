@@ -469,7 +469,9 @@ mod tests {
         };
         assert_eq!(deadline(&HeaderMap::new()), Ok(None));
         let mut twice = HeaderMap::new();
-        ["5S", "6S"].map(|text| twice.append("grpc-timeout", text.parse().unwrap()));
+        for text in ["5S", "6S"] {
+            twice.append("grpc-timeout", text.parse().unwrap());
+        }
         assert!(deadline(&twice).is_err());
         assert_eq!(read("5S"), Ok(Some(Duration::from_secs(5))));
         assert_eq!(read("250m"), Ok(Some(Duration::from_millis(250))));
