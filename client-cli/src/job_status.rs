@@ -75,7 +75,7 @@ pub(crate) fn waits_for_client(job: &str, wait: &v1::OperatorWait) -> String {
         v1::OperatorAction::Command => "step",
         v1::OperatorAction::Answer | v1::OperatorAction::Unspecified => "attend",
     };
-    // An earlier server does not tell the end.
+    // Older servers do not report the end.
     let until = if wait.until_ms > 0 { format!(", until {} UTC", instant(wait.until_ms)) } else { String::new() };
     let (client, since) = (awaited(wait), instant(wait.since_ms));
     format!("waits for {client} since {since} UTC{until}: counterpoint {command} {job} (needs the role operate)")

@@ -287,7 +287,9 @@ pub(crate) async fn submit_pack(
     Submission { request, attended, lint, no_cache }: Submission,
 ) -> Result<Submitted, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
-    if let Some(machine) = inputs.on.machine.as_deref().filter(|_| !client.is_embedded()) {
+    // Every machine takes one program, so a job of one needs no look at its machine.
+    let several = pack.programs.len() > 1 && !client.is_embedded();
+    if let Some(machine) = inputs.on.machine.as_deref().filter(|_| several) {
         check_channels(machine, pack.programs.len())?;
     }
     let (count, computed) = (pack.files.0.len(), pack.computed);

@@ -180,7 +180,8 @@ impl Settings {
         let scheme = address.split_once("://").map_or("", |(scheme, _)| scheme).to_ascii_lowercase();
         if scheme != "http" && scheme != "https" {
             return Err(Error::Settings(format!(
-                "server address '{address}' is not an http address: expected HOST:PORT, http://HOST:PORT or https://HOST:PORT"
+                "server address '{address}' is not an http address: expected HOST:PORT, http://HOST:PORT or \
+                 https://HOST:PORT"
             )));
         }
         let endpoint = Endpoint::from_shared(address.clone())

@@ -83,7 +83,7 @@ pub(crate) fn examine_as(folder: &Path, repair: bool, disk: Disk, holder: Holder
         note: false,
     };
     if claimed && (repair || matches!(store.ledger().try_exists(), Ok(false))) {
-        // A repair would not make the content whole.
+        // A repair cannot complete the content.
         return Ok(vec![damage()]);
     }
     if !store.in_use() && matches!(store.ledger().try_exists(), Ok(false)) {

@@ -199,7 +199,7 @@ fn start(options: Options, config: Option<&Path>) -> Result<(), Box<dyn std::err
         .thread_keep_alive(IDLE_THREAD)
         .build()?;
     let served = runtime.block_on(serve(options, config));
-    // Reads for clients that have gone do not delay the end.
+    // Reads for disconnected clients do not delay the end.
     runtime.shutdown_timeout(LAST_READS);
     Ok(served?)
 }

@@ -57,7 +57,8 @@ def resolve(
     """Settings from arguments and environment. Raises ValueError or OSError if they cannot be used."""
     given = ca is not None or certificate is not None or key is not None or credentials is not None
     address = address or os.environ.get(SERVER) or DEFAULT
-    scheme, host, port = _split(address, "https" if given or os.environ.get(CA) else "http")
+    named = given or os.environ.get(CA) or os.environ.get(CERTIFICATE)
+    scheme, host, port = _split(address, "https" if named else "http")
     if scheme == "http" and given:
         raise ValueError(f"certificates need TLS: give https:// in the address '{address}'")
     context, has_certificate = None, False

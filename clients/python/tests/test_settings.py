@@ -58,6 +58,9 @@ class Environment(unittest.TestCase):
         self.environment({"COUNTERPOINT_CA": "no-such.pem"})
         with self.assertRaisesRegex(OSError, "COUNTERPOINT_CA: 'no-such.pem' does not exist"):
             settings("cell-1:7878")
+        self.environment({"COUNTERPOINT_CLIENT_CERT": "no-such.pem"})
+        with self.assertRaisesRegex(ValueError, r"without key \(COUNTERPOINT_CLIENT_KEY\)"):
+            settings("cell-1:7878")
         self.assertIsNone(settings("http://cell-1:7878").credentials, "the scheme decides")
         self.environment({"COUNTERPOINT_CA": ""})
         self.assertIsNone(settings("cell-1:7878").credentials, "an empty variable is no variable")

@@ -29,18 +29,18 @@ impl From<Refusal> for NoPlace {
 /// A place in the queue for a job of a tenant, if a job can be accepted now. If only submits in progress hold the last
 /// places, waits for them.
 pub(super) async fn place(core: &Arc<Core>, tenant: &str) -> Result<impl Drop + Send + use<>, Refusal> {
-    let mut given_back: Option<Pin<Box<Notified<'_>>>> = None;
+    let mut released: Option<Pin<Box<Notified<'_>>>> = None;
     loop {
         match free_place(core, tenant) {
             Ok(place) => return Ok(place),
             Err(NoPlace { refusal, reserved: false }) => return Err(refusal),
             Err(_) => {}
         }
-        match given_back.take() {
-            Some(given_back) => given_back.await,
-            // A place that is given back before the second look must not be missed.
+        match released.take() {
+            Some(released) => released.await,
+            // A place that is released before the second look must not be missed.
             None => {
-                given_back.insert(Box::pin(core.board.given_back.notified())).as_mut().enable();
+                released.insert(Box::pin(core.board.released.notified())).as_mut().enable();
             }
         }
     }
@@ -63,7 +63,7 @@ fn has_place(most: usize, all: usize, own: usize) -> bool {
 }
 
 impl Core {
-    /// A place in the queue for a submit in progress, given back when dropped.
+    /// A place in the queue for a submit in progress, released when dropped.
     fn reserve(self: &Arc<Self>, tenant: &str) -> Result<impl Drop + Send + use<>, NoPlace> {
         struct Place(Arc<Core>, String);
         impl Drop for Place {
@@ -77,7 +77,7 @@ impl Core {
                     queue.reserved.remove(&self.1);
                 }
                 drop(queue);
-                self.0.board.given_back.notify_waiters();
+                self.0.board.released.notify_waiters();
             }
         }
         if self.drain.begun() {

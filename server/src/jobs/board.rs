@@ -44,8 +44,8 @@ pub(super) struct Waiting {
 pub(super) struct Board {
     pub(super) live: DashMap<String, Arc<Live>>,
     pub(super) queue: Mutex<Waiting>,
-    /// A reserved place was given back.
-    pub(super) given_back: Notify,
+    /// A reserved place was released.
+    pub(super) released: Notify,
     recent: Mutex<Recent>,
     /// Jobs with a deadline that has not been reached, in its order.
     deadlines: Mutex<BTreeSet<(i64, String)>>,
@@ -82,7 +82,7 @@ impl Board {
                 idle: BTreeSet::new(),
                 cleared: Vec::new(),
             }),
-            given_back: Notify::new(),
+            released: Notify::new(),
             recent: Mutex::default(),
             deadlines: Mutex::default(),
             feed: Feed::new(epoch),

@@ -74,7 +74,9 @@ fn head(core: &Core, tenant: &str, digest: &str, most: usize, stop: &dyn Fn() ->
     let (mut head, mut chunk) = (Vec::new(), vec![0; CHUNK]);
     loop {
         if stop() {
-            return Err(Refusal::Storage("the search has stopped, because its client has gone".to_owned()));
+            return Err(Refusal::Storage(
+                "the search for the machine was stopped: its client has disconnected".to_owned(),
+            ));
         }
         let read = content.read(&mut chunk)?;
         if read == 0 {

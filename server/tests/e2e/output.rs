@@ -5,7 +5,6 @@ use std::io::{BufRead as _, BufReader};
 use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
@@ -16,9 +15,6 @@ use tonic::transport::Channel;
 
 use crate::support::digest;
 
-/// Maximum time until a server ends after a signal: half the time of the search.
-const LAST_END: Duration = Duration::from_secs(25);
-
 /// A server with all lines in its log.
 fn server(data: &Path, format: &str, log: Stdio) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
@@ -26,17 +22,12 @@ fn server(data: &Path, format: &str, log: Stdio) -> Child {
     command.env("COUNTERPOINT_LOG", "debug").stdout(Stdio::piped()).stderr(log).spawn().unwrap()
 }
 
-/// A connection to a server that has just been started.
-async fn connected(child: &mut Child) -> Channel {
+/// Runs jobs on a server that has just been started; their ids.
+async fn run_jobs(child: &mut Child, jobs: usize) -> Vec<String> {
     let mut line = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
     let url = line.trim().strip_prefix("listening on ").unwrap().to_owned();
-    Channel::from_shared(url).unwrap().connect().await.unwrap()
-}
-
-/// Runs jobs on a server that has just been started; their ids.
-async fn run_jobs(child: &mut Child, jobs: usize) -> Vec<String> {
-    let channel = connected(child).await;
+    let channel = Channel::from_shared(url).unwrap().connect().await.unwrap();
     let (mut client, mut blobs) = (JobsClient::new(channel.clone()), BlobsClient::new(channel));
     let text = b"O1\nG4 X1.\nM30\n";
     let chunk = v1::UploadRequest { digest: digest(text), data: text.to_vec().into(), ..Default::default() };
@@ -63,44 +54,6 @@ async fn run_jobs(child: &mut Child, jobs: usize) -> Vec<String> {
 fn stop(child: &mut Child) {
     kill_process(Pid::from_child(child), Signal::TERM).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(0), "it ends in order");
-}
-
-/// A server that does not outlive a failed test.
-struct EndedOnDrop(Child);
-
-impl Drop for EndedOnDrop {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// A client leaves while the server looks for the machine of its programs, which takes a minute in a debug build.
-#[tokio::test]
-async fn a_search_for_a_client_that_has_gone_does_not_delay_the_end() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut child = EndedOnDrop(server(folder.path(), "text", Stdio::null()));
-    let child = &mut child.0;
-    let channel = connected(child).await;
-    let mut request = v1::SubmitJobRequest { request_id: "search".into(), ..Default::default() };
-    for number in 0..12 {
-        let text = format!("G1 X{number}. Y2.5 F100 (to the next point)\n").repeat(24_000);
-        let put = v1::PutBlobRequest { data: text.into_bytes().into() };
-        let digest = BlobsClient::new(channel.clone()).put_blob(put).await.unwrap().into_inner().digest;
-        let path = format!("{number}.nc");
-        request.programs.push(v1::Program { path: path.clone(), ..Default::default() });
-        request.files.push(v1::FileRef { path, digest });
-    }
-    let submit = async { JobsClient::new(channel).submit_job(request).await };
-    let answer = tokio::time::timeout(Duration::from_millis(700), submit).await;
-    assert!(answer.is_err(), "the search is in progress: {answer:?}");
-    kill_process(Pid::from_child(child), Signal::TERM).unwrap();
-    let begin = Instant::now();
-    while child.try_wait().unwrap().is_none() {
-        assert!(begin.elapsed() < LAST_END, "the server has not ended");
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
-    assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 
 /// A log that cannot be written ends no thread: the server runs jobs, writes its ledger and ends in order.

@@ -1,5 +1,7 @@
 //! Many reads of one identity at once.
 
+use std::time::Duration;
+
 use counterpoint_proto::v1;
 use counterpoint_server::local::disk::Disk;
 use tonic::transport::Endpoint;
@@ -12,6 +14,8 @@ const LISTS: usize = 800;
 /// Calls on one connection, fewer than its streams.
 const OF_A_CONNECTION: usize = 40;
 const SEARCHES: usize = 160;
+/// Time after which a client disconnects during the search for its machine.
+const BEFORE_DISCONNECTING: Duration = Duration::from_millis(700);
 /// Fewer than one in this many calls of a flood may be answered during one call of another identity.
 const MEANWHILE: usize = 8;
 
@@ -60,6 +64,43 @@ async fn a_call_of_another_identity_precedes_a_flood_of_submits_without_a_machin
     flood.join_next().await.unwrap().unwrap();
     let search = async { drop(quiet.jobs().submit_job(request_of("own", "", &program)).await) };
     assert_precedes(&mut flood, search, SEARCHES).await;
+    server.stop().await;
+}
+
+/// An identity has as many turns as there are cores, but at least two.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_search_for_a_client_that_has_disconnected_frees_its_turn() {
+    let folder = tempfile::tempdir().unwrap();
+    let (server, caller, _) = two_on(folder.path(), 0, Disk::default()).await;
+    let mut requests = Vec::new();
+    for (id, bytes, files) in [("long", 4 << 20, 4), ("middle", 1 << 20, 4), ("short", 1 << 16, 1)] {
+        let mut request = v1::SubmitJobRequest { request_id: id.into(), ..Default::default() };
+        for number in 0..files {
+            let line = format!("G1 X{number}. Y2.5 F100 (to the next point)\n");
+            let text = line.repeat(bytes / line.len());
+            let path = format!("{number}.nc");
+            let digest = caller.upload(text.as_bytes()).await.unwrap();
+            request.programs.push(v1::Program { path: path.clone(), ..Default::default() });
+            request.files.push(v1::FileRef { path, digest });
+        }
+        requests.push(request);
+    }
+    let search = |request: &v1::SubmitJobRequest| {
+        let (mut jobs, request) = (caller.jobs(), request.clone());
+        async move { drop(jobs.submit_job(request).await) }
+    };
+    // All turns are taken: by a search whose client stays, and by searches whose clients disconnect.
+    let other = tokio::spawn(search(&requests[1]));
+    let mut left = tokio::task::JoinSet::new();
+    for _ in 1..std::thread::available_parallelism().map_or(2, usize::from).max(2) {
+        left.spawn(tokio::time::timeout(BEFORE_DISCONNECTING, search(&requests[0])));
+    }
+    while let Some(searched) = left.join_next().await {
+        assert!(searched.unwrap().is_err(), "the search takes longer");
+    }
+    search(&requests[2]).await;
+    assert!(!other.is_finished(), "the last search waited for the turn of the client that stays");
+    other.abort();
     server.stop().await;
 }
 

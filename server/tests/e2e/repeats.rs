@@ -76,7 +76,11 @@ async fn a_repeat_gets_its_job_when_the_request_could_not_be_accepted_any_more()
     let known = submit(&request).await.unwrap();
     assert_eq!((known.status.unwrap().job_id, known.duplicate), (job.clone(), true));
     let other = v1::SubmitJobRequest { priority: v1::JobPriority::High.into(), ..request.clone() };
-    assert_eq!(reason(&submit(&other).await.unwrap_err()), "UNKNOWN_MACHINE", "another content is no repeat");
+    assert_eq!(
+        reason(&submit(&other).await.unwrap_err()),
+        "UNKNOWN_MACHINE",
+        "a request with other content is not a repeat"
+    );
 
     server.jobs().delete_job(v1::DeleteJobRequest { job_id: job }).await.unwrap();
     let known = rerun().await.unwrap();

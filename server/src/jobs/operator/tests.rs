@@ -107,5 +107,5 @@ fn nobody_waits_for_ever() {
     desk.close();
     let changes = desk.follow();
     assert_eq!(ask(&desk, 1), Outcome::Closed, "the run is over");
-    assert!(!changes.has_changed().unwrap(), "so nobody sees a question");
+    assert!(!changes.has_changed().unwrap(), "so no follower sees a question");
 }

@@ -1,8 +1,8 @@
 //! Operations: rows of `$OPTAB`, started by tool changes and by assigning `$OPNAME`.
 //!
 //! Facts: reference system-variables.md 14. Decisions: the first assignment after a tool change names the operation
-//! that the change has started, if that has no name yet; otherwise it waits for the next change. Rows count from 2, row
-//! 1 is no operation. *Invariant:* values that a macro writes into the table take precedence.
+//! that the change has started, if that has no name yet; otherwise it waits for the next change. Operations
+//! have the rows from 2 on. *Invariant:* values that a macro writes into the table take precedence.
 
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
