@@ -347,7 +347,8 @@ impl Core {
         ended.end(&self.board.clock);
         ended.runs.limit = late(deadline, None);
         (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(Reached::Deadline));
-        ended.error.clone_from(&ended.runs.limit);
+        // As for a job that had begun, so that the answer does not depend on the moment.
+        ended.verdict.clone_from(&ended.runs.limit);
         if let Err(error) = self.ledger.update_blocking(vec![ended.clone()]) {
             tracing::debug!(%error, "a job beyond its deadline is ended later");
             self.put_back(live);
