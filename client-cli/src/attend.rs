@@ -198,7 +198,7 @@ impl Attendant {
 }
 
 /// The message about a question that no client has answered.
-const EXPIRED: &str = "\n  too late: the time for an answer (operator_wait_s of the server) is over, and the dialog has failed \
+const EXPIRED: &str = "\n  too late: the time for an answer has run out (operator_wait_s of the server), so the dialog has failed \
     (2910073)";
 
 /// The place of a question; a question before the first block has no line.

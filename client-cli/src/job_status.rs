@@ -43,22 +43,20 @@ pub(crate) fn waits(job: &v1::JobStatus) -> Option<String> {
 /// The wait of a queued job for a worker that jobs of the same tenant hold.
 fn waits_for_worker(wait: &v1::WorkerWait) -> String {
     let v1::WorkerWait { workers, waiting_for_client, tenant_running } = *wait;
-    let standing = match waiting_for_client {
+    let waiting = match waiting_for_client {
         1 => "1 of them waits for a client".to_owned(),
         count => format!("{count} of them wait for a client"),
     };
-    match (tenant_running, waiting_for_client) {
+    let quota = format!("your tenant already uses its {workers} (tenant_running)");
+    let held = match (tenant_running, waiting_for_client) {
         (false, count) if count == workers => {
-            format!("waits for a worker: {count} of {workers} are held by jobs that wait for a client")
+            return "waits for a worker: all run jobs that wait for a client".to_owned();
         }
-        (false, _) => format!("waits for a worker: your jobs hold {workers} of {workers}, and {standing}"),
-        (true, 0) => format!("waits for a worker: your tenant may have {workers} (tenant_running), and has {workers}"),
-        (true, _) => {
-            format!(
-                "waits for a worker: your tenant may have {workers} (tenant_running), and has {workers}; {standing}"
-            )
-        }
-    }
+        (false, _) => format!("your jobs use all {workers}, and {waiting}"),
+        (true, 0) => quota,
+        (true, _) => format!("{quota}, and {waiting}"),
+    };
+    format!("waits for a worker: {held}")
 }
 
 /// The kind of client for which a running job waits: `an operator`, `a step command`.

@@ -105,7 +105,8 @@ impl Settings {
     /// When the text has characters that no token has.
     pub fn with_token(mut self, token: &str) -> Result<Self, Error> {
         let value = format!("Bearer {}", token.trim()).parse::<MetadataValue<Ascii>>();
-        let mut value = value.map_err(|_| Error::Settings("the token is not one".to_owned()))?;
+        let mut value =
+            value.map_err(|_| Error::Settings("the token has characters that cannot be sent".to_owned()))?;
         value.set_sensitive(true);
         self.call.token = Some(value);
         Ok(self)
@@ -116,7 +117,10 @@ impl Settings {
     /// # Errors
     /// When the text has characters that cannot be sent.
     pub fn with_traceparent(mut self, parent: &str) -> Result<Self, Error> {
-        let value = parent.trim().parse().map_err(|_| Error::Settings("the traceparent is not one".to_owned()))?;
+        let value = parent
+            .trim()
+            .parse()
+            .map_err(|_| Error::Settings("the traceparent has characters that cannot be sent".to_owned()))?;
         self.call.traceparent = Some(value);
         Ok(self)
     }

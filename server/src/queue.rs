@@ -46,17 +46,17 @@ pub(crate) struct Look<'a> {
     pub(crate) room: bool,
     pub(crate) now: Instant,
     /// Whether a run takes no processor time until a client acts.
-    pub(crate) stands: &'a dyn Fn(&str) -> bool,
+    pub(crate) waits_for_client: &'a dyn Fn(&str) -> bool,
 }
 
 /// The jobs of a tenant on workers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct OnWorkers {
+pub(crate) struct TenantWorkers {
     pub(crate) running: usize,
     /// Number of these jobs whose runs waited for a client at the last look.
-    pub(crate) standing: usize,
+    pub(crate) waiting_for_client: usize,
     /// Maximum number of workers of the tenant; 0 = no limit.
-    pub(crate) most: usize,
+    pub(crate) quota: usize,
 }
 
 /// Jobs that wait, and who has a place. Calls do not block.
@@ -78,8 +78,8 @@ pub(crate) trait Queue: Send + Debug {
     fn waiting_of(&self, tenant: &str) -> usize;
 
     /// Whether jobs of other tenants than this one take processor time, or wait for a worker that another job keeps
-    /// busy. A run that `stands` takes none.
-    fn others_work(&self, tenant: &str, stands: &dyn Fn(&str) -> bool) -> bool;
+    /// busy. A run that `waits_for_client` takes none.
+    fn others_work(&self, tenant: &str, waits_for_client: &dyn Fn(&str) -> bool) -> bool;
 
     /// Lets a job wait.
     fn push(&mut self, ticket: Ticket<'_>, entry: Entry);
@@ -123,7 +123,7 @@ pub(crate) trait Queue: Send + Debug {
     fn are_idle(&self, jobs: &BTreeSet<String>) -> bool;
 
     /// The jobs of a tenant on workers.
-    fn on_workers(&self, tenant: &str) -> OnWorkers;
+    fn on_workers(&self, tenant: &str) -> TenantWorkers;
 
     /// Number of jobs on workers.
     fn workers(&self) -> usize;

@@ -209,6 +209,11 @@ impl Refusal {
         Self::InvalidField { field: field.into(), text: text.into() }
     }
 
+    /// The ledger takes no change until its disk can be written again.
+    pub(crate) fn unwritable_ledger() -> Self {
+        Self::Storage("the ledger cannot be written at the moment".to_owned())
+    }
+
     /// Adds the job to the text of lost data, unless the text has it.
     pub(crate) fn of_job(self, id: &str) -> Self {
         match self {

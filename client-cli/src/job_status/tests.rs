@@ -66,14 +66,14 @@ fn a_waiting_job_says_why_it_waits() {
     assert_eq!(waits(&other).as_deref(), Some(text));
     assert_eq!(waits(&v1::JobStatus::default()), None);
     for (workers, waiting_for_client, tenant_running, text) in [
-        (2, 2, false, "waits for a worker: 2 of 2 are held by jobs that wait for a client"),
-        (2, 1, false, "waits for a worker: your jobs hold 2 of 2, and 1 of them waits for a client"),
-        (1, 0, true, "waits for a worker: your tenant may have 1 (tenant_running), and has 1"),
+        (2, 2, false, "waits for a worker: all run jobs that wait for a client"),
+        (2, 1, false, "waits for a worker: your jobs use all 2, and 1 of them waits for a client"),
+        (1, 0, true, "waits for a worker: your tenant already uses its 1 (tenant_running)"),
         (
             3,
             2,
             true,
-            "waits for a worker: your tenant may have 3 (tenant_running), and has 3; 2 of them wait for a client",
+            "waits for a worker: your tenant already uses its 3 (tenant_running), and 2 of them wait for a client",
         ),
     ] {
         let wait = v1::WorkerWait { workers, waiting_for_client, tenant_running };

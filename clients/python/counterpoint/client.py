@@ -26,12 +26,12 @@ class Client(Watching, Dialogs, Results):
     """A connection to a server.
 
     address: HOST:PORT, http://HOST:PORT or https://HOST:PORT; otherwise COUNTERPOINT_SERVER, otherwise
-    http://127.0.0.1:7878. HOST:PORT means https if an argument or COUNTERPOINT_CA has certificates. token: sent with
-    every call; otherwise COUNTERPOINT_TOKEN. ca: PEM file of the authorities that may sign the server's certificate;
-    otherwise COUNTERPOINT_CA, otherwise the authorities of the system. certificate, key: PEM files that identify the
-    client; otherwise COUNTERPOINT_CLIENT_CERT and COUNTERPOINT_CLIENT_KEY. credentials: replace ca, certificate and
-    key. patience: seconds after which a call that always fails gives up. reach: seconds within which the server must
-    answer for the first time.
+    http://127.0.0.1:7878. HOST:PORT means https if an argument, COUNTERPOINT_CA or COUNTERPOINT_CLIENT_CERT names a
+    certificate. token: sent with every call; otherwise COUNTERPOINT_TOKEN. ca: PEM file of the authorities that may
+    sign the server's certificate; otherwise COUNTERPOINT_CA, otherwise the authorities of the system. certificate, key:
+    PEM files that identify the client; otherwise COUNTERPOINT_CLIENT_CERT and COUNTERPOINT_CLIENT_KEY. credentials:
+    replace ca, certificate and key. patience: seconds after which a call that always fails gives up. reach: seconds
+    within which the server must answer for the first time.
 
     Raises ValueError or OSError if a setting cannot be used, and Unreachable if no server answers at the address. Every
     call raises Refused if the server refuses it, and Unreachable at the end of patience.

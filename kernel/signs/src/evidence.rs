@@ -15,13 +15,13 @@ use super::prose::Lines;
 const NAMED: usize = 3;
 
 /// Maximum number of bytes searched in a program, and in all programs of a job.
-const LOOKED_AT: usize = 4 << 20;
-const LOOKED_AT_IN_ALL: usize = 16 << 20;
+const SEARCHED_IN_PROGRAM: usize = 4 << 20;
+const SEARCHED_IN_JOB: usize = 16 << 20;
 
 /// Number of bytes searched in each program of a job that has this number of programs.
 #[must_use]
 pub fn searched_bytes(programs: usize) -> usize {
-    LOOKED_AT.min(LOOKED_AT_IN_ALL / programs.max(1))
+    SEARCHED_IN_PROGRAM.min(SEARCHED_IN_JOB / programs.max(1))
 }
 
 /// Number of lines searched between two checks for a stop.

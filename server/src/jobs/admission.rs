@@ -48,7 +48,7 @@ pub(super) async fn place(core: &Arc<Core>, tenant: &str) -> Result<impl Drop + 
 
 fn free_place(core: &Arc<Core>, tenant: &str) -> Result<impl Drop + Send + use<>, NoPlace> {
     if !*core.ledger.writable().borrow() {
-        return Err(Refusal::Storage("the ledger cannot be written at the moment".to_owned()).into());
+        return Err(Refusal::unwritable_ledger().into());
     }
     core.room()?;
     core.within_quotas(tenant)?;

@@ -197,10 +197,16 @@ impl Core {
     fn next(&self, starts: bool) -> Option<Arc<Live>> {
         let mut queue = lock(&self.board.queue);
         let starts = starts && !self.drain.begun();
-        let stands = |id: &str| self.live(id).is_some_and(|live| live.stands());
+        let waits_for_client = |id: &str| self.live(id).is_some_and(|live| live.waits_for_client());
         loop {
             let (room, now) = (self.has_memory(&queue), Instant::now());
-            let id = queue.jobs.next(&Look { slots: self.options.slots(), starts, room, now, stands: &stands });
+            let id = queue.jobs.next(&Look {
+                slots: self.options.slots(),
+                starts,
+                room,
+                now,
+                waits_for_client: &waits_for_client,
+            });
             self.share_cores(&mut queue);
             let id = id?;
             if let Some(live) = self.live(&id) {
@@ -401,7 +407,7 @@ impl Core {
     pub(crate) fn others_work(&self, tenant: &str) -> bool {
         let running = lock(&self.board.queue).jobs.running();
         let stand: BTreeSet<String> =
-            running.into_iter().filter(|id| self.live(id).is_some_and(|live| live.stands())).collect();
+            running.into_iter().filter(|id| self.live(id).is_some_and(|live| live.waits_for_client())).collect();
         lock(&self.board.queue).jobs.others_work(tenant, &|id| stand.contains(id))
     }
 

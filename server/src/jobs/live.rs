@@ -290,10 +290,10 @@ impl Live {
     }
 
     /// Whether its run takes no processor time until a client acts: it is paused, or all its channels ask.
-    pub(crate) fn stands(&self) -> bool {
+    pub(crate) fn waits_for_client(&self) -> bool {
         let channels = self.peek(|record| record.programs.len().max(1));
         let asks = |desk: &Arc<Desk>| desk.asking() >= channels;
-        self.stepping.get().is_some_and(|stepping| stepping.stands()) || self.desk.get().is_some_and(asks)
+        self.stepping.get().is_some_and(|stepping| stepping.waits_for_client()) || self.desk.get().is_some_and(asks)
     }
 
     pub(crate) fn cancelled(&self) -> bool {

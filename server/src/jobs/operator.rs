@@ -47,7 +47,7 @@ struct Inner {
 }
 
 /// Maximum number of expired questions that the desk remembers.
-const MOST_EXPIRED: usize = 64;
+const MAX_EXPIRED: usize = 64;
 
 /// A question that is open.
 #[derive(Debug)]
@@ -247,7 +247,7 @@ impl Desk {
             if let Some(outcome) = outcome {
                 inner.open.remove(&id);
                 if matches!(outcome, Outcome::Unanswered(_)) {
-                    inner.expired.truncate(MOST_EXPIRED - 1);
+                    inner.expired.truncate(MAX_EXPIRED - 1);
                     inner.expired.push_front(id);
                 }
                 drop(inner);

@@ -21,7 +21,7 @@ impl Live {
             since_ms,
             until_ms,
         };
-        let command = || Some(wait(v1::OperatorAction::Command, self.stepping_if_used()?.standing_time()?));
+        let command = || Some(wait(v1::OperatorAction::Command, self.stepping_if_used()?.client_wait()?));
         let answer = || Some(wait(v1::OperatorAction::Answer, self.desk_if_used()?.wait()?));
         if self.state() == State::Running { answer().or_else(command) } else { None }
     }

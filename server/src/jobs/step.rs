@@ -88,12 +88,12 @@ impl Stepping {
     }
 
     /// Whether the run is paused, so that it takes no processor time until a command comes.
-    pub(crate) fn stands(&self) -> bool {
-        self.standing_time().is_some()
+    pub(crate) fn waits_for_client(&self) -> bool {
+        self.client_wait().is_some()
     }
 
     /// Start and end of the wait for a command, ms since 1970.
-    pub(super) fn standing_time(&self) -> Option<(i64, i64)> {
+    pub(super) fn client_wait(&self) -> Option<(i64, i64)> {
         let inner = lock(&self.inner);
         let waits = inner.stop.is_some() && inner.commands.is_empty();
         waits.then(|| (inner.since_ms, end_ms(inner.since_ms, inner.patience)))
@@ -174,14 +174,14 @@ mod tests {
     fn one_client_at_a_time_which_learns_where_the_run_stands() {
         let console = Stepping::new();
         console.set_patience(Duration::from_secs(3600));
-        assert!(!console.stands());
+        assert!(!console.waits_for_client());
         console.say(stopped("a"));
-        assert!(console.stands());
+        assert!(console.waits_for_client());
         let mut first = console.come().unwrap();
         assert_eq!(first.try_recv(), Ok(stopped("a")));
         assert!(console.come().is_none());
         console.command(Command::Show);
-        assert!(!console.stands(), "it has something to do");
+        assert!(!console.waits_for_client(), "it has something to do");
         console.command(Command::Continue);
         assert_eq!(console.poll(), Heard::Command(Command::Show));
         assert_eq!(console.wait(Duration::from_secs(3600)), Heard::Command(Command::Continue));

@@ -6,7 +6,7 @@ use counterpoint_proto::v1;
 
 use super::Core;
 use super::live::lock;
-use crate::queue::OnWorkers;
+use crate::queue::TenantWorkers;
 
 /// Why no queued job of a tenant starts; `None` if its own jobs do not prevent it. Unless the quota is reached, jobs
 /// are a reason only if one of them waits for a client.
@@ -15,14 +15,14 @@ pub(crate) fn of(core: &Core, tenant: &str) -> Option<v1::WorkerWait> {
     reason(own, core.options.slots())
 }
 
-fn reason(OnWorkers { running, standing, most }: OnWorkers, slots: usize) -> Option<v1::WorkerWait> {
-    let by_quota = most > 0 && most < slots;
-    let workers = if by_quota { most } else { slots };
+fn reason(TenantWorkers { running, waiting_for_client, quota }: TenantWorkers, slots: usize) -> Option<v1::WorkerWait> {
+    let by_quota = quota > 0 && quota < slots;
+    let workers = if by_quota { quota } else { slots };
     let wire = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
-    let held = running >= workers && (by_quota || standing > 0);
+    let held = running >= workers && (by_quota || waiting_for_client > 0);
     held.then(|| v1::WorkerWait {
         workers: wire(workers),
-        waiting_for_client: wire(standing),
+        waiting_for_client: wire(waiting_for_client),
         tenant_running: by_quota,
     })
 }
@@ -40,8 +40,8 @@ mod tests {
 
     #[test]
     fn only_own_jobs_that_stand_and_the_quota_are_reasons() {
-        let of = |running, standing, most| {
-            let wait = reason(OnWorkers { running, standing, most }, 2)?;
+        let of = |running, waiting_for_client, quota| {
+            let wait = reason(TenantWorkers { running, waiting_for_client, quota }, 2)?;
             Some((wait.workers, wait.waiting_for_client, wait.tenant_running))
         };
         assert_eq!(of(2, 2, 0), Some((2, 2, false)));

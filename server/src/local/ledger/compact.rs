@@ -65,7 +65,7 @@ pub(super) fn compact(shared: &Shared, store: &Store) -> Result<Compacted, Refus
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error.into()),
         _ => {}
     }
-    let database = shared.current().ok_or_else(super::closed)?;
+    let database = shared.current().ok_or_else(Refusal::unwritable_ledger)?;
     let copied = contained(|| checkup::copy(&database.begin_read().map_err(storage)?, &copy, store));
     let placed = copied.and_then(|copied| copied).and_then(|()| {
         if copy.metadata().at(&copy)?.len() >= before {

@@ -72,10 +72,6 @@ fn storage(error: impl std::fmt::Display) -> Refusal {
     Refusal::Storage(error.to_string())
 }
 
-fn closed() -> Refusal {
-    storage("the ledger cannot be written at the moment")
-}
-
 /// The log in a row.
 fn logged(id: &str, row: &[u8]) -> Result<Bytes, Refusal> {
     let content = seal::content(LOG.name(), id, row);
@@ -103,7 +99,7 @@ impl Reply {
 impl Drop for Reply {
     fn drop(&mut self) {
         if let Some(then) = self.0.take() {
-            then(Err(closed()));
+            then(Err(Refusal::unwritable_ledger()));
         }
     }
 }
@@ -159,12 +155,12 @@ impl LocalLedger {
     }
 
     fn operations(&self) -> Result<mpsc::Sender<Operation>, Refusal> {
-        self.operations.read().unwrap_or_else(PoisonError::into_inner).clone().ok_or_else(closed)
+        self.operations.read().unwrap_or_else(PoisonError::into_inner).clone().ok_or_else(Refusal::unwritable_ledger)
     }
 
     /// A reader, and its database: it closes its file when it is dropped, also under readers.
     fn snapshot(&self) -> Result<(Arc<Database>, ReadTransaction), Refusal> {
-        let database = self.shared.current().ok_or_else(closed)?;
+        let database = self.shared.current().ok_or_else(Refusal::unwritable_ledger)?;
         let txn = database.begin_read().map_err(storage)?;
         Ok((database, txn))
     }
@@ -202,8 +198,8 @@ impl LocalLedger {
         work: impl FnOnce(&Tables<'_>) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
         let (operation, answered) = Self::operation("", work, |_| ());
-        self.operations()?.send(operation).await.map_err(|_| closed())?;
-        answered.await.map_err(|_| closed())?
+        self.operations()?.send(operation).await.map_err(|_| Refusal::unwritable_ledger())?;
+        answered.await.map_err(|_| Refusal::unwritable_ledger())?
     }
 
     /// Same as [`write`](Self::write) from a thread that may block.
@@ -212,8 +208,8 @@ impl LocalLedger {
         work: impl FnOnce(&Tables<'_>) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
         let (operation, answered) = Self::operation("", work, |_| ());
-        self.operations()?.blocking_send(operation).map_err(|_| closed())?;
-        answered.blocking_recv().map_err(|_| closed())?
+        self.operations()?.blocking_send(operation).map_err(|_| Refusal::unwritable_ledger())?;
+        answered.blocking_recv().map_err(|_| Refusal::unwritable_ledger())?
     }
 }
 
@@ -260,8 +256,8 @@ impl Ledger for LocalLedger {
                 accepted(record);
             }
         });
-        self.operations()?.send(operation).await.map_err(|_| closed())?;
-        answered.await.map_err(|_| closed())?
+        self.operations()?.send(operation).await.map_err(|_| Refusal::unwritable_ledger())?;
+        answered.await.map_err(|_| Refusal::unwritable_ledger())?
     }
 
     async fn update(&self, record: Record) -> Result<(), Refusal> {
@@ -412,7 +408,7 @@ impl Ledger for LocalLedger {
         let (shared, tenant) = (self.shared.clone(), tenant.to_owned());
         self.write_blocking(move |tables| {
             // A row that goes in this very transaction is still there when the transaction fails.
-            let durable = shared.current().ok_or_else(closed)?.begin_read().map_err(storage)?;
+            let durable = shared.current().ok_or_else(Refusal::unwritable_ledger)?.begin_read().map_err(storage)?;
             let durable = durable.open_table(blob_refs::BLOB).map_err(storage)?;
             let table = tables.blob()?;
             let mut removed = 0;
@@ -451,7 +447,7 @@ impl Ledger for LocalLedger {
         let answered = self.shared.ask_for_compaction();
         // The writer compacts after the transaction of this operation, which changes nothing.
         self.write_blocking(|_| Ok(()))?;
-        answered.blocking_recv().map_err(|_| closed())?
+        answered.blocking_recv().map_err(|_| Refusal::unwritable_ledger())?
     }
 
     fn file_bytes(&self) -> u64 {

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::queue::{Entry, Look, OnWorkers, Queue, Ticket};
+use crate::queue::{Entry, Look, Queue, TenantWorkers, Ticket};
 use line::{Line, Spot, class};
 use suspects::Suspects;
 use turns::Run;
@@ -137,10 +137,10 @@ impl Queue for LocalQueue {
         self.lines.get(tenant).map_or(0, |line| line.held)
     }
 
-    fn others_work(&self, tenant: &str, stands: &dyn Fn(&str) -> bool) -> bool {
+    fn others_work(&self, tenant: &str, waits_for_client: &dyn Fn(&str) -> bool) -> bool {
         let others_wait = self.lines.iter().any(|(other, line)| **other != *tenant && line.len() > 0);
         let mut runs = self.running.iter().filter(|run| others_wait || *run.tenant != *tenant);
-        runs.any(|run| !stands(&run.id))
+        runs.any(|run| !waits_for_client(&run.id))
     }
 
     fn push(&mut self, ticket: Ticket<'_>, entry: Entry) {
@@ -251,12 +251,12 @@ impl Queue for LocalQueue {
         self.idle_jobs().inspect(|_| count += 1).all(|id| jobs.contains(id)) && count == jobs.len()
     }
 
-    fn on_workers(&self, tenant: &str) -> OnWorkers {
+    fn on_workers(&self, tenant: &str) -> TenantWorkers {
         let own = || self.running.iter().filter(|run| *run.tenant == *tenant);
-        OnWorkers {
+        TenantWorkers {
             running: own().count(),
-            standing: own().filter(|run| run.stands).count(),
-            most: self.own_running.get(tenant).copied().unwrap_or(self.most_running),
+            waiting_for_client: own().filter(|run| run.waits_for_client).count(),
+            quota: self.own_running.get(tenant).copied().unwrap_or(self.most_running),
         }
     }
 

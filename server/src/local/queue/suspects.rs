@@ -111,8 +111,9 @@ impl Suspects {
     fn clear_alone(&mut self, running: &[Run], now: Instant) {
         let left = &self.left;
         let over = self.alone.take_if(|alone| {
-            let stands = running.iter().any(|run| run.id == alone.id && run.stands);
-            stands || left.get(&alone.id).is_none_or(|left| now.saturating_duration_since(alone.since) >= *left)
+            let waits_for_client = running.iter().any(|run| run.id == alone.id && run.waits_for_client);
+            waits_for_client
+                || left.get(&alone.id).is_none_or(|left| now.saturating_duration_since(alone.since) >= *left)
         });
         if let Some(over) = over {
             self.clear(over.id);
@@ -143,7 +144,7 @@ impl LocalQueue {
             started = Some(self.begin(id, tenant, look.now));
         }
         let alone = self.suspects.alone.as_ref()?;
-        for run in self.running.iter_mut().filter(|run| run.id != alone.id && !run.stands) {
+        for run in self.running.iter_mut().filter(|run| run.id != alone.id && !run.waits_for_client) {
             run.suspended = true;
         }
         started

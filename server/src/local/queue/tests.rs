@@ -13,7 +13,7 @@ fn ticket<'a>(id: &'a str, tenant: &'a str) -> Ticket<'a> {
 
 /// Divides the slots, with memory for all runs, none of which stands.
 fn next(queue: &mut LocalQueue, slots: usize, now: Instant) -> Option<String> {
-    queue.next(&Look { slots, starts: true, room: true, now, stands: &|_| false })
+    queue.next(&Look { slots, starts: true, room: true, now, waits_for_client: &|_| false })
 }
 
 /// Lets a job of the default tenant wait.
@@ -263,7 +263,7 @@ fn a_run_that_stands_and_jobs_behind_it_are_no_work() {
     assert_eq!(next(&mut queue, 1, now).as_deref(), Some("steps"));
     assert!(work(&queue, "one", &[]) && !work(&queue, "one", &["steps"]) && !work(&queue, "other", &[]));
     let next = |queue: &mut LocalQueue| {
-        queue.next(&Look { slots: 1, starts: true, room: true, now, stands: &|id| id == "steps" })
+        queue.next(&Look { slots: 1, starts: true, room: true, now, waits_for_client: &|id| id == "steps" })
     };
     queue.push(ticket("behind", "other"), Entry::Accepted(now));
     assert!(!work(&queue, "one", &["steps"]), "it waits for one that stands");

@@ -2,7 +2,7 @@
 //!
 //! Each tenant has an account of its used worker time; the tenant with the least is next. If no slot is free, the
 //! tenant that has used the most gives a slot: its run that started last is suspended, once the run has had a slice.
-//! An idle run (`stands`) uses no slot; it is not suspended, and delays only jobs of its own tenant.
+//! An idle run (`waits_for_client`) uses no slot; it is not suspended, and delays only jobs of its own tenant.
 //!
 //! *Invariants:* a tenant without competitors loses no slot; of the suspended runs of a tenant, the run that started
 //! first continues; a tenant with a suspended run starts no job; a new tenant starts with at least the lowest account.
@@ -32,17 +32,17 @@ pub(super) struct Run {
     slice: Duration,
     pub(super) suspended: bool,
     /// Whether the run used no processor time at the last look.
-    pub(super) stands: bool,
+    pub(super) waits_for_client: bool,
 }
 
 impl Run {
     pub(super) fn new(id: String, tenant: Arc<str>, start: u64, now: Instant) -> Self {
-        Self { id, tenant, start, charged: now, slice: Duration::ZERO, suspended: false, stands: false }
+        Self { id, tenant, start, charged: now, slice: Duration::ZERO, suspended: false, waits_for_client: false }
     }
 
     /// Whether the run uses a slot.
     pub(super) fn works(&self) -> bool {
-        !self.suspended && !self.stands
+        !self.suspended && !self.waits_for_client
     }
 
     /// Time with a slot that has not been charged yet.
@@ -75,16 +75,16 @@ impl LocalQueue {
     /// Charges the time since the last look, and limits the difference between the accounts.
     pub(super) fn charge(&mut self, look: &Look<'_>) {
         for run in &mut self.running {
-            run.stands = (look.stands)(&run.id);
-            run.suspended &= !run.stands;
+            run.waits_for_client = (look.waits_for_client)(&run.id);
+            run.suspended &= !run.waits_for_client;
             let time = run.uncharged(look.now);
             run.charged = look.now;
-            run.slice = if run.stands { Duration::ZERO } else { run.slice + time };
+            run.slice = if run.waits_for_client { Duration::ZERO } else { run.slice + time };
             if let Some(line) = self.lines.get_mut(&run.tenant) {
                 line.used += time;
             }
         }
-        let works = |tenant: &Arc<str>| self.running.iter().any(|run| run.tenant == *tenant && !run.stands);
+        let works = |tenant: &Arc<str>| self.running.iter().any(|run| run.tenant == *tenant && !run.waits_for_client);
         let contend = self.lines.iter().filter(|(tenant, line)| works(tenant) || self.is_ready(tenant, line, look));
         let Some(lowest) = contend.map(|(_, line)| line.used).min() else { return };
         self.floor = self.floor.max(lowest);

@@ -87,7 +87,8 @@ impl World {
     fn look(&mut self) {
         let before = self.queue.suspended();
         let Self { queue, slots, room, now, started, stand, .. } = self;
-        let look = Look { slots: *slots, starts: true, room: *room, now: *now, stands: &|id| stand.contains(id) };
+        let look =
+            Look { slots: *slots, starts: true, room: *room, now: *now, waits_for_client: &|id| stand.contains(id) };
         while let Some(id) = queue.next(&look) {
             started.push(id);
         }
@@ -336,7 +337,7 @@ fn suspended_runs_continue_after_a_suspect_and_while_no_job_may_start() {
     world.submit("b", ms(100));
     world.pass(ms(50));
     world.queue.free("b", world.now);
-    let look = Look { slots: 1, starts: false, room: true, now: world.now, stands: &|_| false };
+    let look = Look { slots: 1, starts: false, room: true, now: world.now, waits_for_client: &|_| false };
     assert_eq!((world.queue.next(&look), world.queue.suspended().len()), (None, 0));
 }
 
