@@ -9,6 +9,7 @@ use std::path::Path;
 
 use counterpoint_client::Blob;
 use counterpoint_kernel::files::Files as _;
+use counterpoint_kernel::log::info::Unit;
 use counterpoint_kernel::machine::package;
 
 use crate::error::Error;
@@ -75,9 +76,24 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
             return Err(Error::Usage(format!("--set shared: machine '{machine}' has no second channel to share with")));
         }
     }
+    let unit = settings.iter().rev().find_map(|setting| match setting {
+        Setting::Units(unit) => Some(*unit),
+        _ => None,
+    });
+    // The unit of a composite is that of its components.
+    let mut initial = Vec::new();
+    if let Some(unit) = unit {
+        for (_, chain) in &components {
+            initial.push(units::initial(machine, &tables(&files, chain), unit)?);
+        }
+        if components.is_empty() {
+            initial.push(units::initial(machine, &tables(&files, &chain), unit)?);
+        }
+    }
     let components: Vec<String> = components.into_iter().map(|(name, _)| name).collect();
+    let begins = Begins { unit, initial };
     if own {
-        return Ok(extended(name, files, settings, (&components, &lathes)));
+        return Ok(extended(name, files, settings, (&components, &lathes), &begins));
     }
     let (changed, inside) = (format!("{name}{CHANGED}"), format!("{name}/"));
     let renamed = |path: String| match path.strip_prefix(&inside) {
@@ -85,7 +101,16 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         None => path,
     };
     let files = Files(files.0.into_iter().map(|(path, blob)| (renamed(path), blob)).collect());
-    Ok(extended(changed, files, settings, (&components, &lathes)))
+    Ok(extended(changed, files, settings, (&components, &lathes), &begins))
+}
+
+/// The unit in which programs begin.
+#[derive(Default)]
+struct Begins {
+    /// The unit, if it is set.
+    unit: Option<Unit>,
+    /// The lines `initial` of the components, or of the machine if it has none.
+    initial: Vec<String>,
 }
 
 /// The definitions of a machine and of the families that it extends.
@@ -112,6 +137,7 @@ fn extended(
     mut files: Files,
     settings: &[Setting],
     (components, lathes): (&[String], &[String]),
+    begins: &Begins,
 ) -> (String, Files) {
     let said = |of: fn(&Setting) -> bool| settings.iter().rev().find(|setting| of(setting));
     let numbers = said(|setting| matches!(setting, Setting::Increments));
@@ -122,10 +148,13 @@ fn extended(
         _ => None,
     });
     let shares: Vec<(u32, u32)> = shares.collect();
-    if control.is_empty() && shares.is_empty() {
+    if control.is_empty() && shares.is_empty() && begins.unit.is_none() {
         return (name, files);
     }
     let mut changed = control.iter().fold(name.clone(), |name, (_, end)| name + end);
+    if let Some(unit) = begins.unit {
+        changed = format!("{changed}-{}", unit.name());
+    }
     let mut text = String::new();
     let lines = |setting: &Option<&Setting>| setting.and_then(Setting::of_control).map(|(line, _)| line + "\n");
     let of_control =
@@ -138,14 +167,17 @@ fn extended(
         changed.push_str(SHARES);
         text.push_str(&sharing(&files, &name, &shares));
     }
-    for component in components {
+    for (index, component) in components.iter().enumerate() {
         let own = of_control(&system.filter(|_| lathes.contains(component)));
-        if !own.is_empty() {
-            let text = format!("extends = \"{component}\"\n[control]\n{own}");
+        let initial = begins.initial.get(index).map_or("", String::as_str);
+        if !own.is_empty() || !initial.is_empty() {
+            let head = if own.is_empty() { "" } else { "[control]\n" };
+            let text = format!("extends = \"{component}\"\n{initial}{head}{own}");
             files.0.insert(definition(&format!("{changed}/{component}")), Blob::new(text.into_bytes()));
         }
     }
-    let text = format!("extends = \"{name}\"\n[ce]\nname = \"{changed}\"\n{text}");
+    let initial = if components.is_empty() { begins.initial.concat() } else { String::new() };
+    let text = format!("extends = \"{name}\"\n{initial}[ce]\nname = \"{changed}\"\n{text}");
     files.0.insert(definition(&changed), Blob::new(text.into_bytes()));
     (changed, files)
 }
@@ -297,3 +329,4 @@ fn is_range(word: &str) -> bool {
 
 #[cfg(test)]
 mod tests;
+mod units;

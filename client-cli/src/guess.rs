@@ -2,14 +2,21 @@
 
 use std::ops::RangeInclusive;
 
+use counterpoint_kernel::log::info::Unit;
+use counterpoint_kernel::machine::length_units::{begins_in_inches, unit_words};
 use counterpoint_kernel::machine::signs::{self, Guess, Program};
 use counterpoint_kernel::machine::{candidates, package};
 
 use crate::error::Error;
+use crate::local_machine::LocalMachine;
 use crate::pack::Pack;
+use crate::settings::Setting;
 
 /// The remedy when no machine can be guessed.
 const ASK: &str = "use --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
+
+/// Bytes of a program in which words of units are looked for.
+const SEARCHED: usize = 4 << 20;
 
 /// The machine for the programs of a job. `waits` are the M codes that are waiting codes, if they differ from those of
 /// the machines.
@@ -30,4 +37,27 @@ pub(crate) fn machine(pack: &Pack, waits: Option<&RangeInclusive<u32>>) -> Resul
     let candidates = candidates(&package::shipped(), &package::shipped_names());
     signs::guess(&candidates, &programs, waits, &|| false)
         .map_err(|why| Error::Usage(format!("no machine given, and {why}; {ASK}")))
+}
+
+/// The unit in which a guessed machine reads the programs, as a part of a sentence, if no program has a word that
+/// selects one.
+pub(crate) fn unit(machine: &str, pack: &Pack, set: &[Setting]) -> Option<String> {
+    let machine = LocalMachine::shipped(machine).load().ok()?;
+    let first = machine.of_channel(machine.channels.first()?.number);
+    let words = unit_words(first);
+    let named = |content: &[u8]| {
+        let content = content.get(..SEARCHED).unwrap_or(content);
+        let has = |word: &str| content.windows(word.len()).any(|part| part.eq_ignore_ascii_case(word.as_bytes()));
+        words.split('/').filter(|word| !word.is_empty()).any(has)
+    };
+    if pack.programs.iter().any(|program| pack.files.0.get(&program.path).is_some_and(|blob| named(blob.content()))) {
+        return None;
+    }
+    let set = set.iter().rev().find_map(|setting| match setting {
+        Setting::Units(unit) => Some(*unit),
+        _ => None,
+    });
+    let own = if begins_in_inches(first) { Unit::Inch } else { Unit::Mm };
+    let unit = set.unwrap_or(own).name();
+    Some(if words.is_empty() { format!("reads in {unit}") } else { format!("no {words}: begins in {unit}") })
 }

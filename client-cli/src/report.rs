@@ -33,6 +33,9 @@ pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
     if summary.cancelled() {
         let _ = writeln!(out, "cancelled before the end: times and sync points cover only the part that was run");
     }
+    if let Some(coordinates) = &summary.coordinates {
+        let _ = writeln!(out, "{}", coordinates.text);
+    }
     out.push('\n');
     out.push_str(&problems(summary, most(DIAGNOSTICS)));
     out.push_str(&channels(summary));

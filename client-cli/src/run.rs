@@ -226,8 +226,13 @@ pub(crate) async fn machine(client: &Client, inputs: &Inputs, pack: &pack::Pack,
     let Some(machine) = &inputs.on.machine else {
         let guess = guess::machine(pack, settings::waits(&inputs.on.set).as_ref())?;
         if !quiet {
-            let text =
-                format!("machine {}, guessed from {}; use --machine to choose another", guess.machine, guess.why);
+            let unit = guess::unit(&guess.machine, pack, &inputs.on.set).map(|unit| format!("; {unit}"));
+            let text = format!(
+                "machine {}, guessed from {}; use --machine to choose another{}",
+                guess.machine,
+                guess.why,
+                unit.unwrap_or_default()
+            );
             say::status_line(styled(DIM, text));
         }
         return changed(client, &guess.machine, inputs, quiet).await;

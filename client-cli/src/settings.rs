@@ -4,10 +4,12 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use counterpoint_kernel::diag;
+use counterpoint_kernel::log::info::Unit;
 
 /// The keys with their values.
 const KEYS: &str = "waits=FIRST-LAST (M codes that are waiting codes, for example waits=900-999), numbers=increments (coordinates \
-                    without a decimal point count least increments), system=A, B or C (G-code system of a lathe), \
+                    without a decimal point count least increments), units=mm or inch (unit in which programs begin), \
+                    system=A, B or C (G-code system of a lathe), \
                     shared=FIRST-LAST (common variables that all channels share, for example shared=500-549) and \
                     warn.NUMBER=off or on (a warning by its number or word)";
 
@@ -24,6 +26,8 @@ pub(crate) enum Setting {
     Waits(RangeInclusive<u32>),
     /// Coordinates without a decimal point count least increments.
     Increments,
+    /// Programs begin in inches, or in millimetres.
+    Units(Unit),
     /// G-code system of a lathe: A, B or C.
     System(char),
     /// Common variables that all channels share.
@@ -36,7 +40,7 @@ impl Setting {
     /// The line of `[control]` for this setting, and the suffix of the machine's name.
     pub(crate) fn of_control(&self) -> Option<(String, String)> {
         match self {
-            Self::Waits(_) | Self::Shared(..) | Self::Warning(..) => None,
+            Self::Waits(_) | Self::Units(_) | Self::Shared(..) | Self::Warning(..) => None,
             Self::Increments => Some(("numbers = \"increments\"".to_owned(), "-inc".to_owned())),
             Self::System(letter) => {
                 Some((format!("system = \"{letter}\""), format!("-{}", letter.to_ascii_lowercase())))
@@ -80,6 +84,11 @@ impl FromStr for Setting {
             "numbers" => match value.trim() {
                 "increments" => Ok(Self::Increments),
                 other => Err(format!("'{other}' is not a way to count numbers: give {KEYS}")),
+            },
+            "units" => match value.trim() {
+                "mm" => Ok(Self::Units(Unit::Mm)),
+                "inch" => Ok(Self::Units(Unit::Inch)),
+                other => Err(format!("'{other}' is not a unit in which programs begin: give units=mm or units=inch")),
             },
             "system" => match value.trim() {
                 "A" | "a" => Ok(Self::System('A')),
@@ -144,6 +153,8 @@ mod tests {
         assert_eq!("waits=900-999".parse(), Ok(Setting::Waits(900..=999)));
         assert_eq!("waits=M200-M299".parse(), Ok(Setting::Waits(200..=299)));
         assert_eq!("numbers=increments".parse(), Ok(Setting::Increments));
+        assert_eq!("units=inch".parse(), Ok(Setting::Units(Unit::Inch)));
+        assert_eq!("units=mm".parse(), Ok(Setting::Units(Unit::Mm)));
         assert_eq!("system=b".parse(), Ok(Setting::System('B')));
         assert_eq!("shared=500-549".parse(), Ok(Setting::Shared(500, 549)));
         assert_eq!("shared=#100-#100".parse(), Ok(Setting::Shared(100, 100)));
@@ -161,6 +172,7 @@ mod tests {
             ("shared=500", "is not a range of common variables"),
             ("shared=600-500", "is not a range of common variables"),
             ("numbers=inches", "'inches' is not a way to count numbers"),
+            ("units=in", "'in' is not a unit in which programs begin"),
             ("system=D", "'D' is not a G-code system"),
             ("warn.2900680=maybe", "is not a switch"),
             ("warn.feed-above=off", "'feed-above' is not a warning"),

@@ -8,12 +8,20 @@ use serde::Deserialize;
 pub(crate) struct Summary {
     pub(crate) state: String,
     pub(crate) unit: String,
+    pub(crate) coordinates: Option<Coordinates>,
     pub(crate) highest_severity: u32,
     pub(crate) makespan_ns: i64,
     pub(crate) channels: Vec<Channel>,
     pub(crate) waits: Vec<Wait>,
     pub(crate) verdict: Option<Verdict>,
     pub(crate) diagnostics: Vec<Diagnostic>,
+}
+
+/// The units in which coordinates were read.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct Coordinates {
+    pub(crate) text: String,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -102,9 +102,9 @@ pub(crate) struct On {
     #[arg(long, value_name = "NAME|DIR", value_parser = super::filled::filled)]
     pub(crate) machine: Option<String>,
     /// Set a datum of the machine for this run; can be repeated: `waits=900-999`, the M codes that are waiting codes;
-    /// `numbers=increments`, coordinates without a decimal point count least increments; `system=B`, the G-code system
-    /// of a lathe (A, B or C); `shared=500-549`, common variables that all channels share; `warn.2900680=off`, a
-    /// warning by number or word, off or on
+    /// `numbers=increments`, coordinates without a decimal point count least increments; `units=inch`, the unit in
+    /// which programs begin (inch or mm); `system=B`, the G-code system of a lathe (A, B or C); `shared=500-549`,
+    /// common variables that all channels share; `warn.2900680=off`, a warning by number or word, off or on
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<Setting>,
     /// Read tools, tool offsets and work offsets from this table: TOML rows as in a machine definition, or a CSV file

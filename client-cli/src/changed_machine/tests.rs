@@ -1,5 +1,7 @@
 use super::*;
 
+use counterpoint_kernel::machine::length_units::begins_in_inches;
+
 #[test]
 fn only_the_range_of_waiting_codes_is_replaced() {
     let text = "a = 1\n[[codes]]\nid = \"CODE_IGNORE\"\nword = \"M20-M29\"\n[[codes]]\nid = \"CODE_SYNC_REG\" # waits\n\
@@ -32,6 +34,33 @@ fn settings_of_a_composite_are_those_of_its_components() {
     let numbers = "[control]\nnumbers = \"increments\"\n";
     assert_eq!(text("fanuc-turning"), format!("extends = \"fanuc-turning\"\n{numbers}system = \"B\"\n"));
     assert_eq!(text("fanuc-milling"), format!("extends = \"fanuc-milling\"\n{numbers}"));
+}
+
+/// Machines whose programs can be in either unit begin in the one that is set; the components of a composite, too.
+#[test]
+fn programs_begin_in_the_unit_that_is_set() {
+    use counterpoint_kernel::log::info::Unit;
+    let load = |of: &str, unit: Unit| {
+        let (name, files) = machine(of, &[Setting::Units(unit)]).unwrap();
+        let loaded = counterpoint_kernel::machine::load(&package::Overlay::over_shipped(memory(&files)), &name);
+        assert_eq!(loaded.findings, []);
+        (name, loaded.machine.unwrap())
+    };
+    for of in ["fanuc-mill", "siemens-lathe", "heidenhain-mill", "citizen-3system", "isg-3channel", "haas-mill"] {
+        let (name, machine) = load(of, Unit::Inch);
+        assert_eq!(name, format!("{of}-set-inch"));
+        assert!(begins_in_inches(machine.of_channel(1)), "{of}");
+        let (name, machine) = load(of, Unit::Mm);
+        assert_eq!(name, format!("{of}-set-mm"));
+        assert!(!begins_in_inches(machine.of_channel(1)), "{of}");
+    }
+    let (_, composite) = load("composite-millturn", Unit::Inch);
+    let begin = composite.channels.iter().map(|channel| begins_in_inches(composite.of_channel(channel.number)));
+    assert!(begin.into_iter().all(|inches| inches));
+    for of in ["okuma-lathe", "okuma-mill"] {
+        let error = machine(of, &[Setting::Units(Unit::Inch)]).unwrap_err().to_string();
+        assert!(error.contains(&format!("machine '{of}' has no codes for both units")), "{error}");
+    }
 }
 
 #[test]

@@ -73,6 +73,8 @@ pub struct Channel {
     pub lower: bool,
     /// Its program uses inches until it selects a unit.
     pub inch: bool,
+    /// The words that select a unit: `G20/G21`; empty if there are none.
+    pub unit_words: String,
 }
 
 /// An axis as results need it.

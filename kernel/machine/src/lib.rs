@@ -9,6 +9,7 @@ pub mod finding;
 pub mod habits;
 pub mod ident;
 pub mod index;
+pub mod length_units;
 mod load;
 pub mod macros;
 pub mod model;

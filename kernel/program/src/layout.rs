@@ -13,7 +13,6 @@ use rustc_hash::FxHashSet;
 
 use super::callers::Callers;
 use super::mains::mains;
-use super::presets::begins_in_inches;
 use super::readers::{Reader, Readers};
 use super::sections;
 use super::shape::Range;
@@ -24,6 +23,7 @@ use crate::spec::{Program, Spec};
 use counterpoint_event::info::{Axis, Channel, File, Info, Section};
 use counterpoint_machine::Machine;
 use counterpoint_machine::finding::Finding;
+use counterpoint_machine::length_units::{begins_in_inches, unit_words};
 use counterpoint_machine::model::{Format, RewindStop};
 use counterpoint_machine::stored::StoredFile;
 use counterpoint_ports::control::Stop;
@@ -82,6 +82,7 @@ fn channels(machine: &Machine) -> Vec<Channel> {
             file: 0,
             lower: c.lower,
             inch: begins_in_inches(machine.of_channel(c.number)),
+            unit_words: unit_words(machine.of_channel(c.number)),
             axes: c
                 .axes
                 .iter()

@@ -5,8 +5,7 @@
 //! program has selected another one by then. *Invariant:* only variables that all channels share; of several values of
 //! one variable the last one holds.
 
-use counterpoint_event::Unit;
-use counterpoint_machine::ident::codes;
+use counterpoint_machine::length_units::begins_in_inches;
 use counterpoint_machine::model::Machine;
 
 use super::source::Source;
@@ -24,12 +23,6 @@ pub fn of<'s>(
     let is_shared =
         |number: u32| machine.variables.shared.iter().any(|(first, last)| (*first..=*last).contains(&number));
     lines.filter_map(move |line| preset(source.line(line), step)).filter(move |(number, _)| is_shared(*number))
-}
-
-/// Whether programs of a machine begin in inches, by its unit and its start state.
-pub(crate) fn begins_in_inches(machine: &Machine) -> bool {
-    let is_secondary = |id: &_| matches!(*id, codes::UNITS_SECONDARY | codes::UNITS_SECONDARY_LENGTHS);
-    (machine.unit == Unit::Inch) != machine.initial.iter().any(is_secondary)
 }
 
 /// The variable of a line and its value.

@@ -11,6 +11,7 @@ use rustc_hash::FxHashMap;
 use counterpoint_event::Outcome;
 
 use crate::channel_results::ChannelResults;
+use crate::coordinates;
 use crate::digest::{self, Digest};
 use crate::reported::Reported;
 use crate::summary::{self, ChannelState, State, Summary};
@@ -118,9 +119,13 @@ impl ResultsBuilder {
             channel.bars.wait(last_ns - ns, last_ns, stay);
         });
         let (mut ends, mut rows, mut tracks, mut digests) = (Vec::new(), Vec::new(), Vec::new(), vec![(0, master)]);
+        let mut units = Vec::new();
         let mut cut_short = false;
         for (results, channel) in channels.into_iter().zip(&info.channels) {
-            let ChannelResults { number, digest, mut tally, mut bars, track, program, tools, spans, .. } = results;
+            let ChannelResults {
+                number, digest, mut tally, mut bars, track, program, tools, spans, units: read, ..
+            } = results;
+            units.push((channel, read));
             let stay = sync_points.open_stay(number);
             let since = stay.map(|stay| stay.since_ns);
             let (state, end_ns) = tally.close(since, last_ns, outcome.cancelled);
@@ -150,7 +155,8 @@ impl ResultsBuilder {
         }
         let sync_points = sync_points.finish();
         let digest = digest::log(digests.into_iter());
-        let summary = findings.finish(ends, sync_points.clone(), (outcome.cancelled, cut_short), digest);
+        let coordinates = coordinates::of(&info, units.into_iter());
+        let summary = findings.finish(ends, sync_points.clone(), (outcome.cancelled, cut_short), (digest, coordinates));
         let failed = summary.state != State::Succeeded;
         let stops: Vec<_> = rows
             .iter()

@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use crate::coordinates::UnitsRead;
 use crate::digest::Digest;
 use crate::reported::Reported;
 use crate::spans::Spans;
@@ -40,6 +41,8 @@ pub struct ChannelResults {
     pub(super) spans: Spans,
     /// File that the kernel started with, when it is not the one given to it by the job.
     pub(super) program: Option<FileId>,
+    /// The units in which its coordinates were read.
+    pub(super) units: UnitsRead,
 }
 
 impl ChannelResults {
@@ -58,6 +61,7 @@ impl ChannelResults {
             tools: Tools::default(),
             spans: Spans::default(),
             program: None,
+            units: UnitsRead::new(channel),
         }
     }
 
@@ -85,10 +89,16 @@ impl ChannelResults {
         self.digest.event(event);
         self.last_ns = self.last_ns.max(event.t_ns);
         match &event.kind {
-            Kind::Block(block) => self.tally.block(block.number, event.caller.is_some()),
+            Kind::Block(block) => {
+                self.units.block(block.unit_named);
+                self.tally.block(block.number, event.caller.is_some());
+            }
             Kind::Motion(motion) => {
                 let work = if motion.kind == MotionKind::Rapid { Work::Rapid } else { Work::Feed };
                 self.work(work, event);
+                if !event.caller.is_some() {
+                    self.units.moves();
+                }
                 if let Some(track) = &mut self.track {
                     let place = event.user_place();
                     track.motion(motion, (place.file, place.line));
@@ -122,6 +132,9 @@ impl ChannelResults {
                 if *phase == Phase::ProgramStart && own != Some(event.file) && !self.tally.has_run() {
                     self.program = Some(event.file);
                 }
+                if *phase == Phase::ProgramStart {
+                    self.units.start();
+                }
                 self.tally.life(*phase, event.t_ns);
             }
             kind => {
@@ -133,11 +146,13 @@ impl ChannelResults {
                         track.carried(carried, (place.file, place.line));
                     }
                 }
-                if let (Kind::Mode(mode), Some(track)) = (kind, &mut self.track) {
-                    match mode.text.as_ref() {
-                        "units inch" => track.unit(true),
-                        "units mm" => track.unit(false),
-                        _ => {}
+                if let Kind::Mode(mode) = kind
+                    && let inch = mode.text == "units inch"
+                    && (inch || mode.text == "units mm")
+                {
+                    self.units.select(inch, (place.file, place.line));
+                    if let Some(track) = &mut self.track {
+                        track.unit(inch);
                     }
                 }
                 self.tools.event(kind, || self.tally.times());

@@ -188,7 +188,7 @@ impl Form {
     /// A block as expected is only counted.
     #[inline(always)]
     fn expected(&mut self, event: &Event) -> bool {
-        let Kind::Block(Block { number }) = event.kind else { return false };
+        let Kind::Block(Block { number, .. }) = event.kind else { return false };
         let last = &mut self.last;
         let expected = number == self.number.wrapping_add(1)
             && event.line == last.line.wrapping_add(1)

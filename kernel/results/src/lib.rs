@@ -7,6 +7,7 @@ pub use counterpoint_event::{event, info};
 pub mod analysis;
 pub mod builder;
 pub mod channel_results;
+pub mod coordinates;
 pub mod digest;
 pub mod geometry;
 pub mod jsonl;

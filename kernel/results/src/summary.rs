@@ -16,6 +16,7 @@ pub use crate::sync_points::{Arrival, SyncPoint, Waits};
 pub use crate::tools::Tool;
 
 use crate::analysis::{Analysis, Race};
+pub use crate::coordinates::{ChannelUnits, Coordinates, UnitFrom};
 use crate::late::Late;
 use crate::reported::{Reported, What};
 use counterpoint_event::event::{FileId, Origin, VerdictKind};
@@ -68,6 +69,9 @@ pub struct Summary {
     pub makespan_ns: i64,
     /// Fingerprint of the log.
     pub log_digest: String,
+    /// The units in which coordinates were read; left out if nothing has moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coordinates: Option<Coordinates>,
     /// Channels, ascending.
     pub channels: Vec<Channel>,
     /// Sync points in order of their number, then waits that were never satisfied.
@@ -227,13 +231,13 @@ impl Findings {
         }
     }
 
-    /// The log is complete; `log_digest` is its fingerprint. `cut_short`: a program did not reach its end.
+    /// The log is complete, with its fingerprint and the units of its coordinates. `cut_short`: a program did not reach its end.
     pub fn finish(
         self,
         channels: Vec<Channel>,
         waits: Waits,
         (cancelled, cut_short): (bool, bool),
-        log_digest: String,
+        (log_digest, coordinates): (String, Option<Coordinates>),
     ) -> Summary {
         let state = if cancelled {
             State::Cancelled
@@ -256,6 +260,7 @@ impl Findings {
             makespan_ns: channels.iter().map(|c| c.end_ns).max().unwrap_or(0),
             analysis: Late::new(analysis),
             log_digest,
+            coordinates,
             channels,
             waits,
             verdict: self.verdict,

@@ -36,6 +36,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         file: index as u16,
         lower: index == 1,
         inch: false,
+        unit_words: "G20/G21".into(),
         axes: axes.iter().map(axis).collect(),
     };
     let file = |(index, text): (usize, &&str)| {

@@ -40,7 +40,7 @@ fn kinds() -> Vec<Kind> {
     let plain = Motion { kind: MotionKind::Rapid, center: [0.0; 2], plane_axes: [255; 2], turns: 0, ..motion };
     vec![
         Kind::Lifecycle(Phase::Blocked),
-        Kind::Block(Block { number: 1 << 40 }),
+        Kind::Block(Block { number: 1 << 40, unit_named: false }),
         Kind::Motion(motion),
         Kind::Motion(plain),
         Kind::Dwell(Dwell),
@@ -208,8 +208,13 @@ fn called() -> Event {
         file: 4,
         line: 3,
         caller: SourcePlace::new(1, 70_000),
-        kind: Kind::Block(Block { number: 9 }),
+        kind: Kind::Block(Block { number: 9, unit_named: false }),
     }
+}
+
+/// A block after one that has selected the unit.
+fn after_a_unit() -> Event {
+    Event { kind: Kind::Block(Block { number: 10, unit_named: true }), ..called() }
 }
 
 pub(super) fn events() -> Vec<Event> {
@@ -226,7 +231,7 @@ pub(super) fn events() -> Vec<Event> {
             caller: SourcePlace::NONE,
             kind,
         })
-        .chain([called()])
+        .chain([called(), after_a_unit()])
         .collect()
 }
 
@@ -242,6 +247,7 @@ fn info() -> Info {
         axes: ["X", "Y", "Z", "C"].iter().take(2 + usize::from(number)).map(|name| axis(name)).collect(),
         lower: false,
         inch: false,
+        unit_words: "G20/G21".into(),
     };
     let file = |name: &str| File {
         name: name.into(),

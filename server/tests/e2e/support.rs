@@ -88,6 +88,7 @@ impl Runner for Script {
             file: 0,
             lower: false,
             inch: false,
+            unit_words: String::new(),
             axes: vec![axis("X"), axis("Z")],
         };
         let file = File {
@@ -132,7 +133,7 @@ pub fn event(seq: u64) -> Event {
             text: "note".into(),
             ..Diagnostic::default()
         })),
-        n if n % 2 == 0 => Kind::Block(Block { number: seq }),
+        n if n % 2 == 0 => Kind::Block(Block { number: seq, unit_named: false }),
         _ => Kind::Motion(Motion {
             kind: MotionKind::Linear,
             moving: 3,

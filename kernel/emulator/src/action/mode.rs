@@ -36,6 +36,7 @@ pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
 /// Primary or secondary units.
 pub(super) fn units(act: &mut Act<'_, '_>, secondary: bool) -> Acted {
     use counterpoint_event::info::Unit;
+    act.channel_mut().reports.unit_named = true;
     if act.channel().state.secondary != secondary {
         act.channel_mut().state.secondary = secondary;
         act.read_words_again();

@@ -86,6 +86,7 @@ impl Kernel<'_> {
             reset: _,
             plausible: _,
             swallowed: _,
+            unit_named: _,
         } = reports;
         Carried {
             channel,

@@ -192,10 +192,11 @@ impl Kernel<'_> {
             self.now_and_then()?;
         }
         let number = self.channel.at.blocks - self.channel.at.made_blocks;
+        let block = Block { number, unit_named: std::mem::take(&mut self.channel.reports.unit_named) };
         self.emit_as(0, |kind| match kind {
             // Overwrites the old value; a kind of another shape is dropped first.
-            Kind::Block(Block { number: place }) => *place = number,
-            other => *other = Kind::Block(Block { number }),
+            Kind::Block(place) => *place = block,
+            other => *other = Kind::Block(block),
         });
         self.check_limits()
     }

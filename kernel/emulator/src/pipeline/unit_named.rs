@@ -5,9 +5,7 @@
 use crate::channel::Kernel;
 use counterpoint_event::info::Unit;
 use counterpoint_fault as diag;
-use counterpoint_machine::ident::codes;
-use counterpoint_machine::model::Machine;
-use counterpoint_machine::rows::CodeForm;
+use counterpoint_machine::length_units::unit_codes;
 
 /// Bytes that are looked at.
 const LOOKED_AT: usize = 64 << 10;
@@ -38,21 +36,6 @@ impl Kernel<'_> {
         );
         self.diagnose(&diag::UNIT_NOT_NAMED, text);
     }
-}
-
-/// Numbers of the G codes that choose a unit.
-fn unit_codes(machine: &Machine) -> Vec<f64> {
-    let of_units = machine.codes.iter().filter(|row| {
-        matches!(row.id, codes::UNITS_PRIMARY | codes::UNITS_SECONDARY | codes::UNITS_SECONDARY_LENGTHS) && row.enable
-    });
-    let number = |form: &CodeForm| match form {
-        CodeForm::Register { register, min, .. } if machine.registers[*register].name == "G" => Some(*min),
-        _ => None,
-    };
-    let mut numbers: Vec<f64> = of_units.filter_map(|row| number(&row.form)).collect();
-    numbers.sort_by(f64::total_cmp);
-    numbers.dedup();
-    numbers
 }
 
 /// Whether most coordinates have four digits after the point, none is large, and no code names a unit. Programs with

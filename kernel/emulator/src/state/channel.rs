@@ -190,6 +190,8 @@ pub(crate) struct Reports {
     pub(crate) plausible: Plausible,
     /// M functions that had no effect in this program.
     pub(crate) swallowed: Swallowed,
+    /// A code of the unit of length has acted since the last event of a block.
+    pub(crate) unit_named: bool,
 }
 
 impl Reports {
@@ -210,7 +212,8 @@ impl Reports {
         let (diagnostics, alarms, raised) = (0, Alarms::default(), FxHashMap::default());
         let (waits, unrecognised, race, reset) = (KnownWaits::new(rules), None, None, false);
         let (plausible, swallowed) = (Plausible::default(), Swallowed::default());
-        Self { diagnostics, alarms, raised, waits, unrecognised, race, reset, plausible, swallowed }
+        let unit_named = false;
+        Self { diagnostics, alarms, raised, waits, unrecognised, race, reset, plausible, swallowed, unit_named }
     }
 }
 

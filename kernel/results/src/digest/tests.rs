@@ -56,7 +56,7 @@ fn words(events: &[Event]) -> Vec<u64> {
 
 #[test]
 fn the_form_is_fixed() {
-    let block = event(Kind::Block(Block { number: 258 }));
+    let block = event(Kind::Block(Block { number: 258, unit_named: false }));
     // Kind 1, no flags; then time, duration, microstep, file, line, number.
     assert_eq!(words(std::slice::from_ref(&block)), [1, 7, 3, 1, 1, 40, 258]);
     // The next event follows in the same place (1 + 2 + 8 + 16) and takes no time (4).
@@ -67,8 +67,9 @@ fn the_form_is_fixed() {
 
 #[test]
 fn expected_blocks_are_counted() {
-    let block = |number, line| Event { t_ns: 10, dur_ns: 0, line, ..event(Kind::Block(Block { number })) };
-    let first = event(Kind::Block(Block { number: 1 }));
+    let block =
+        |number, line| Event { t_ns: 10, dur_ns: 0, line, ..event(Kind::Block(Block { number, unit_named: false })) };
+    let first = event(Kind::Block(Block { number: 1, unit_named: false }));
     let dwell = Event { t_ns: 10, dur_ns: 0, line: 42, ..event(Kind::Dwell(Dwell)) };
     let counted = words(&[first.clone(), block(2, 41), block(3, 42), dwell]);
     assert_eq!(counted[7..], [3 | 31 << 8 | 2 << 32]);

@@ -28,7 +28,7 @@ fn the_json_is_the_documented_one() {
     let events = [
         life(2, 0, Phase::NotStarted),
         life(1, 0, Phase::ProgramStart),
-        at(1, 1, 0, 0, Kind::Block(Block { number: 1 })),
+        at(1, 1, 0, 0, Kind::Block(Block { number: 1, unit_named: false })),
         at(1, 1, 0, 3 * S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[10.0]))),
         diagnostic(1, 1, 3 * S, 2_001_005, 4, "no \"Q\""),
         life(1, 3 * S, Phase::ProgramEnd),
@@ -39,7 +39,9 @@ fn the_json_is_the_documented_one() {
     assert_eq!(
         json,
         concat!(
-            r#"{"state":"SUCCEEDED","unit":"mm","highest_severity":4,"makespan_ns":3000000000,"log_digest":"d","channels":["#,
+            r#"{"state":"SUCCEEDED","unit":"mm","highest_severity":4,"makespan_ns":3000000000,"log_digest":"d","#,
+            r#""coordinates":{"text":"no G20/G21: coordinates read in mm, the unit in which machine lathe2 begins","#,
+            r#""channels":[{"channel":1,"selected":false,"units":[{"unit":"mm","file":"","line":0}]}]},"channels":["#,
             r#"{"channel":1,"name":"UPPER","program":"jobs/p1.nc","state":"ENDED","blocks":1,"end_ns":3000000000,"#,
             r#""feed_ns":3000000000,"rapid_ns":0,"misc_ns":0,"wait_ns":0},"#,
             r#"{"channel":2,"name":"LOWER","program":"jobs/p2.nc","state":"NOT_STARTED","blocks":0,"end_ns":0,"#,
@@ -131,4 +133,41 @@ fn races_are_in_the_analysis_with_both_lines() {
     assert_eq!(summary(&info, &events).analysis.races, expected);
     let json = serde_json::to_value(&*summary(&info, &events).analysis).unwrap();
     assert_eq!(json["races"][0], serde_json::json!(["#100", {"1": 2, "2": 5}]));
+}
+
+/// A program with moves and codes of units; `units inch` is the mode event, `named` a code that changes nothing.
+fn units(blocks: &[&str]) -> String {
+    let info = lathe(&["a"]);
+    let mut events = vec![life(1, 0, Phase::ProgramStart)];
+    let mut unit_named = false;
+    for (line, words) in (1..).zip(blocks) {
+        events.push(at(1, line, 0, 0, Kind::Block(Block { number: u64::from(line), unit_named })));
+        unit_named = words.contains("named") || words.contains("units");
+        for word in words.split(", ") {
+            events.push(match word {
+                "move" => at(1, line, 0, S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[10.0]))),
+                "units inch" => at(1, line, 0, 0, Kind::mode("units inch")),
+                "units mm" => at(1, line, 0, 0, Kind::mode("units mm")),
+                _ => continue,
+            });
+        }
+    }
+    summary(&info, &events).coordinates.map(|coordinates| coordinates.text).unwrap_or_default()
+}
+
+#[test]
+fn the_unit_of_coordinates_is_named() {
+    assert_eq!(units(&["named", "move", "end"]), "coordinates read in mm");
+    assert_eq!(units(&["named, move", "end"]), "coordinates read in mm");
+    assert_eq!(units(&["units inch", "move", "end"]), "coordinates read in inch");
+    assert_eq!(units(&["move", "end"]), "no G20/G21: coordinates read in mm, the unit in which machine lathe2 begins");
+    assert_eq!(
+        units(&["units mm", "move", "units inch", "", "move", "end"]),
+        "coordinates read in mm, from line 3 in inch"
+    );
+    assert_eq!(
+        units(&["move", "units inch, move", "end"]),
+        "coordinates read in mm, the unit in which machine lathe2 begins, from line 2 in inch"
+    );
+    assert_eq!(units(&["named", "end"]), "", "nothing has moved");
 }
