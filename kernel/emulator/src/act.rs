@@ -21,7 +21,7 @@ use crate::state::frames::offsets::Table;
 use crate::state::spindle::Turning;
 use crate::state::turning::ContourCycle;
 use counterpoint_dialect::{NotThere, is_vacant};
-use counterpoint_event::event::{Event, Kind, Motion, Position, ToolAction};
+use counterpoint_event::event::{Motion, Position, ToolAction};
 use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::macros::model::Hook;
@@ -168,12 +168,6 @@ impl Act<'_, '_> {
 
 /// Events and diagnostics.
 impl Act<'_, '_> {
-    /// Adds an event of this block at the clock.
-    #[inline]
-    pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
-        self.kernel.emit(dur_ns, kind);
-    }
-
     /// Logs a diagnostic at the current block.
     pub(crate) fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
         self.kernel.diagnose(facts, text);
@@ -197,16 +191,6 @@ impl Act<'_, '_> {
     /// Adds an action to the trace that takes the place of that of the next event.
     pub(crate) fn trace_instead(&mut self, text: &str) {
         self.kernel.trace_instead(text);
-    }
-
-    /// Sends events as they come again, or holds them back, as the channel now says.
-    pub(crate) fn hold_back(&mut self) {
-        self.kernel.hold_back();
-    }
-
-    /// Adds a complete event.
-    pub(crate) fn push_event(&mut self, event: Event) {
-        self.kernel.push_event(event);
     }
 
     /// Records that the block has an effect that an endless loop could not hide.

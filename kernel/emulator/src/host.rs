@@ -75,7 +75,7 @@ impl Variables for Kernel<'_> {
     }
 
     fn global(&mut self, index: u32, growth: Option<usize>, access: &mut dyn FnMut(&mut Value)) {
-        let limit = self.channel.shares().common;
+        let limit = self.channel.env.shares().common;
         let runtime = &mut *self.macros;
         if runtime.variables.first_shared.is_some_and(|first| index >= first) {
             let place = index as usize;
@@ -153,7 +153,7 @@ impl Dialog for Kernel<'_> {
             return;
         }
         if stops {
-            self.channel.stop_here();
+            self.channel.reports.alarms.stopping = true;
         }
         let origin = (self.origin_of(&diagnostic), stops);
         let shown = self.customised_of_macro(number, (diagnostic.severity, stops), diagnostic.message);

@@ -23,7 +23,7 @@ pub(super) fn clamp(act: &mut Act<'_, '_>, id: DataId, on: bool) -> Acted {
     let Some(axis) = act.channel().axis_of_data(id) else { return no_axis(act, id) };
     act.channel_mut().set_clamp(axis, on);
     let text = format!("{} {}", if on { "clamp" } else { "unclamp" }, act.channel().axis_name(axis));
-    act.emit(0, Kind::mode(text));
+    act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
 

@@ -40,7 +40,7 @@ pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
         Some(range) => format!("comp extfixt n={range},{register}"),
         None => format!("comp extfixt n={register}"),
     };
-    act.emit(0, Kind::mode(text));
+    act.channel_mut().emit(0, Kind::mode(text));
     act.reframe();
     Ok(())
 }
@@ -84,7 +84,7 @@ pub(super) fn vector(act: &mut Act<'_, '_>) -> Acted {
     let number = act.channel().state.remembered.diameter();
     let text = format!("comp diam vector n={number} pqr={direction}");
     super::cutter::switched(act, codes::COMP_3D_VECTOR)?;
-    act.emit(0, Kind::compensation(text, OffsetKind::Diameter, f64::from(number)));
+    act.channel_mut().emit(0, Kind::compensation(text, OffsetKind::Diameter, f64::from(number)));
     Ok(())
 }
 

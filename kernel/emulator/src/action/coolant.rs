@@ -60,7 +60,7 @@ fn flows(act: &mut Act<'_, '_>, flow: Flow, outlet: Outlet) {
 }
 
 fn report(act: &mut Act<'_, '_>, coolant: Coolant) {
-    act.emit(0, Kind::Coolant(coolant));
+    act.channel_mut().emit(0, Kind::Coolant(coolant));
 }
 
 fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
@@ -78,5 +78,5 @@ fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
     }
     let state = &mut act.channel_mut().state.others.coolant;
     (state.pressure, state.pump) = (pressure, Some(pressure > 0.0));
-    act.emit(0, Kind::mode(format!("coolant pressure p={}", wildcard_text(pressure))));
+    act.channel_mut().emit(0, Kind::mode(format!("coolant pressure p={}", wildcard_text(pressure))));
 }

@@ -40,7 +40,7 @@ fn on(act: &mut Act<'_, '_>, kind: Kind) -> Acted {
         return Err(illegal(act, &format!("the code belongs in the programs of channels {one} and {two}")));
     }
     if is_off(act) {
-        act.emit(0, Logged::mode("sync passed without waiting"));
+        act.channel_mut().emit(0, Logged::mode("sync passed without waiting"));
         return Ok(());
     }
     check_free(act, &pair)?;

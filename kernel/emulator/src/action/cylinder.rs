@@ -90,7 +90,7 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
     act.channel_mut().frames().polar = Some(cylinder);
     act.channel_mut().frames_changed();
     super::cutter::plane_changed(act);
-    act.emit(0, Kind::mode(format!("cylinder on r={radius}")));
+    act.channel_mut().emit(0, Kind::mode(format!("cylinder on r={radius}")));
     Ok(())
 }
 

@@ -101,8 +101,8 @@ fn dwell(act: &mut Act<'_, '_>, seconds: f64) -> Acted {
         let text = format!("a dwell of {} in '{}': check the unit of its time", hours(seconds), act.block_text());
         act.diagnose(&diag::LONG_DWELL, text);
     }
-    let ns = crate::state::channel::nanoseconds(seconds);
-    act.emit(ns, Kind::Dwell(Dwell));
+    let ns = crate::state::at::nanoseconds(seconds);
+    act.channel_mut().emit(ns, Kind::Dwell(Dwell));
     act.channel_mut().advance(ns);
     act.note_dwell(ns);
     Ok(())

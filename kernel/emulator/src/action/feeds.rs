@@ -30,7 +30,7 @@ fn down(act: &mut Act<'_, '_>) -> Acted {
         Some(share) => format!("feed down {}%", counterpoint_lang::format::wildcard_text(share * 100.0)),
         None => "feed down off".to_owned(),
     };
-    act.emit(0, counterpoint_event::event::Kind::mode(text));
+    act.channel_mut().emit(0, counterpoint_event::event::Kind::mode(text));
     Ok(())
 }
 

@@ -107,6 +107,6 @@ pub(super) fn put(act: &mut Act<'_, '_>, figure: &Figure, on: bool) -> Acted {
     act.channel_mut().keep_ways(before);
     act.channel_mut().keep_levels(levels);
     let text = act.frame_text();
-    act.emit(0, counterpoint_event::event::Kind::mode(text));
+    act.channel_mut().emit(0, counterpoint_event::event::Kind::mode(text));
     Ok(())
 }

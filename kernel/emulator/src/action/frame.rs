@@ -94,7 +94,7 @@ fn preset_off(act: &mut Act<'_, '_>) -> Acted {
     }
     super::local::end_shift(act, coded);
     act.reframe();
-    act.emit(0, Kind::mode("preset off"));
+    act.channel_mut().emit(0, Kind::mode("preset off"));
     Ok(())
 }
 
@@ -105,7 +105,7 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
     act.missing_work_offset(number);
     let before = std::mem::replace(&mut act.channel_mut().state.place.in_force.work_offset, number);
     super::local::exchange_shifts(act, before, number);
-    act.emit(0, Kind::mode(format!("comp workp n={number}")));
+    act.channel_mut().emit(0, Kind::mode(format!("comp workp n={number}")));
     act.reframe();
     Ok(())
 }
@@ -113,7 +113,7 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
 /// Cancels work offsets.
 pub(super) fn work_offset_off(act: &mut Act<'_, '_>) -> Acted {
     act.channel_mut().state.place.in_force.work_offset = 0;
-    act.emit(0, Kind::mode("comp workp off"));
+    act.channel_mut().emit(0, Kind::mode("comp workp off"));
     act.reframe();
     Ok(())
 }
@@ -140,7 +140,7 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
         };
         Kind::compensation(text, OffsetKind::Length, f64::from(number))
     };
-    act.emit(0, mode);
+    act.channel_mut().emit(0, mode);
     if ends_tip {
         act.reframe();
     } else {
@@ -152,7 +152,8 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
 /// Length compensation that another code brings along.
 pub(super) fn length_on(act: &mut Act<'_, '_>, number: u32) {
     put_length(act, 1.0, number);
-    act.emit(0, Kind::compensation(format!("comp length n={number}"), OffsetKind::Length, f64::from(number)));
+    act.channel_mut()
+        .emit(0, Kind::compensation(format!("comp length n={number}"), OffsetKind::Length, f64::from(number)));
     act.reframe();
 }
 

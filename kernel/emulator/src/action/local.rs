@@ -72,7 +72,7 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
     act.channel_mut().keep_ways(before);
     act.channel_mut().keep_levels(levels);
     let text = act.frame_text();
-    act.emit(0, Kind::mode(text));
+    act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
 
@@ -119,7 +119,7 @@ pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
     }
     act.channel_mut().frames_changed();
     let text = act.frame_text();
-    act.emit(0, Kind::mode(text));
+    act.channel_mut().emit(0, Kind::mode(text));
 }
 
 /// X is mirrored for tools on the other side of the turning axis: halfway between both turrets.
@@ -134,7 +134,7 @@ fn opposite(act: &mut Act<'_, '_>, on: bool) -> Acted {
     act.channel_mut().frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
     let text = act.frame_text();
-    act.emit(0, Kind::mode(text));
+    act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
 

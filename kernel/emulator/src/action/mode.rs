@@ -28,7 +28,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// A modal state.
 pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
     if act.channel().acting.mode_changed {
-        act.emit(0, Kind::mode(text));
+        act.channel_mut().emit(0, Kind::mode(text));
     }
     Ok(())
 }
@@ -66,7 +66,7 @@ pub(super) fn diameter(act: &mut Act<'_, '_>, side: &'static str, code: CodeId) 
             None => Kind::mode(text),
         };
         super::cutter::switched(act, code)?;
-        act.emit(0, mode);
+        act.channel_mut().emit(0, mode);
         act.report_tool();
     }
     Ok(())
@@ -80,7 +80,7 @@ pub(super) fn function(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode)
         if letter == 'M' {
             act.channel_mut().reports.swallowed.note(value);
         }
-        act.emit(0, Kind::Function(Function { letter, value }));
+        act.channel_mut().emit(0, Kind::Function(Function { letter, value }));
     }
     Ok(())
 }
@@ -93,6 +93,6 @@ pub(super) fn additive(act: &mut Act<'_, '_>, on: bool) -> Acted {
         (true, None) => "am on".to_owned(),
         (false, _) => "am off".to_owned(),
     };
-    act.emit(0, Kind::mode(text));
+    act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }

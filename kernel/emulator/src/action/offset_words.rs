@@ -20,7 +20,7 @@ pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
         let sign = act.channel().state.place.in_force.length_sign;
         put_length(act, sign, number);
         let text = format!("comp length n={number}");
-        act.emit(0, Kind::compensation(text, OffsetKind::Length, f64::from(number)));
+        act.channel_mut().emit(0, Kind::compensation(text, OffsetKind::Length, f64::from(number)));
         length_changed(act);
     }
     let Some(code) = act.channel().state.modal.code(group::DIAMETER) else { return Ok(()) };
@@ -41,7 +41,7 @@ pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
     let Some(number) = super::compensation::take_diameter(act) else { return Ok(()) };
     super::cutter::resized(act, code)?;
     let text = format!("comp diam {side} n={}", counterpoint_lang::format::wildcard_text(number));
-    act.emit(0, Kind::compensation(text, OffsetKind::Diameter, number));
+    act.channel_mut().emit(0, Kind::compensation(text, OffsetKind::Diameter, number));
     act.report_tool();
     Ok(())
 }
@@ -81,7 +81,7 @@ pub(super) fn at_reference(act: &mut Act<'_, '_>, axes: u8) {
                 act.channel_mut().state.modal.activate(row.group, row.id, Some(place));
             }
             put_length(act, 0.0, 0);
-            act.emit(0, Kind::mode("comp length off"));
+            act.channel_mut().emit(0, Kind::mode("comp length off"));
             act.reframe();
         }
         LengthThere::Ends => {}

@@ -114,7 +114,7 @@ pub(super) fn set(act: &mut Act<'_, '_>) -> Acted {
         What::Tool(_, _, number) => ("tool", number),
     };
     let text = if kept { format!("set {table} n={number}") } else { format!("set {table} n={number} refused") };
-    act.emit(0, Kind::mode(text));
+    act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
 

@@ -51,7 +51,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
     act.channel_mut().frames().polar = Some(Polar::new(&act.channel().state.place, linear, rotary, cartesian));
     act.channel_mut().frames_changed();
     super::cutter::plane_changed(act);
-    act.emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
+    act.channel_mut().emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
     Ok(())
 }
 
@@ -73,7 +73,7 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     super::cutter::plane_changed(act);
     let text =
         if polar.is_cylinder() { "cylinder off".to_owned() } else { format!("c2p {} off", form(polar.cartesian)) };
-    act.emit(0, Kind::mode(text));
+    act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
 

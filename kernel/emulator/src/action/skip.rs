@@ -30,7 +30,7 @@ pub(super) fn probe(act: &mut Act<'_, '_>) -> Acted {
     let moved = act.feed_to(coded, target, feed, unit);
     act.channel_mut().reports.plausible.look_above = look_above;
     moved?;
-    act.channel_mut().stop_path();
+    act.channel_mut().emitter.stop_path();
     *act.channel_mut().state.skip =
         Probing { result: 2.0, end: act.channel().state.place.position, block: act.channel().at.blocks };
     if act.channel().state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {

@@ -26,7 +26,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 pub(super) fn in_work(act: &mut Act<'_, '_>, rear: bool) -> Acted {
     if act.channel().acting.mode_changed {
         let text = if rear { "spindle rear" } else { "spindle front" };
-        act.emit(0, Kind::mode(text));
+        act.channel_mut().emit(0, Kind::mode(text));
     }
     act.channel_mut().follow_spindle();
     Ok(())
@@ -37,7 +37,7 @@ pub(super) fn apply(act: &mut Act<'_, '_>, milling: bool) -> Acted {
     if act.channel().state.others.spindles.milling != milling {
         act.channel_mut().state.others.spindles.milling = milling;
         let text = if milling { "apply mill" } else { "apply turn" };
-        act.emit(0, Kind::mode(text));
+        act.channel_mut().emit(0, Kind::mode(text));
         act.channel_mut().follow_spindle();
     }
     Ok(())

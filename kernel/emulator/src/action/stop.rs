@@ -18,14 +18,14 @@ pub(crate) const ENTRIES: &[Entry] = &[
 pub(super) fn stop(act: &mut Act<'_, '_>, stop: Stop) -> Acted {
     match stop {
         Stop::Program => {
-            act.channel_mut().stop_path();
-            act.emit(0, Kind::Stop(stop));
+            act.channel_mut().emitter.stop_path();
+            act.channel_mut().emit(0, Kind::Stop(stop));
             Ok(())
         }
         Stop::Optional => {
             if act.channel().env.options.opstop {
-                act.channel_mut().stop_path();
-                act.emit(0, Kind::Stop(stop));
+                act.channel_mut().emitter.stop_path();
+                act.channel_mut().emit(0, Kind::Stop(stop));
             }
             Ok(())
         }

@@ -80,7 +80,7 @@ fn end(act: &mut Act<'_, '_>) -> bool {
     act.channel_mut().state.others.tilt = Default::default();
     let ended = act.channel_mut().end_tilt();
     if ended {
-        act.emit(0, Kind::mode("tilt off"));
+        act.channel_mut().emit(0, Kind::mode("tilt off"));
     }
     ended
 }
@@ -128,7 +128,7 @@ fn define(act: &mut Act<'_, '_>, form: Form, add: bool) -> Acted {
         return Err(undefined(act, "the plane has no way back"));
     }
     let text = act.tilt_text();
-    act.emit(0, Kind::mode(text));
+    act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
 }
 

@@ -149,7 +149,7 @@ impl Act<'_, '_> {
         let exact = self.channel().block.flags.exact_stop
             || self.channel().state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
         // Where moves are planned ahead, the stop is planned as well.
-        if !exact || self.channel().pace.is_some() {
+        if !exact || self.channel().emitter.has_pace() {
             return path.length / speed;
         }
         let changes = self.channel().changes(path.from, path.to);

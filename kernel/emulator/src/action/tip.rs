@@ -66,7 +66,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
             AT_ENDS => "rtcp at ends",
             _ => "rtcp on",
         };
-        act.emit(0, Kind::mode(text));
+        act.channel_mut().emit(0, Kind::mode(text));
     }
     Ok(())
 }
@@ -77,7 +77,7 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
         act.flush_lookahead()?;
     }
     if act.channel_mut().end_tip() {
-        act.emit(0, Kind::mode("rtcp off"));
+        act.channel_mut().emit(0, Kind::mode("rtcp off"));
     }
     Ok(())
 }
@@ -87,7 +87,7 @@ pub(super) fn orient(act: &mut Act<'_, '_>, format: u8) -> Acted {
     act.channel_mut().state.others.tip.format = format;
     if act.channel().acting.mode_changed {
         let name = NAMES.get(usize::from(format).wrapping_sub(1)).copied().unwrap_or("axes");
-        act.emit(0, Kind::mode(format!("rtcp orient {name}")));
+        act.channel_mut().emit(0, Kind::mode(format!("rtcp orient {name}")));
     }
     Ok(())
 }

@@ -44,7 +44,7 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
     let changes = tool != act.channel().state.place.tools.current && (tool != 0 || empties);
     let seconds = if changes { change_seconds(act, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
-    let ns = crate::state::channel::nanoseconds(seconds);
+    let ns = crate::state::at::nanoseconds(seconds);
     act.note_effect();
     if changes && act.channel().env.machine.tool.change_motion {
         super::change_point::before_load(act)?;

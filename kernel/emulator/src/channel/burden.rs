@@ -25,10 +25,10 @@ impl Kernel<'_> {
 
     /// Data of the kernel besides values of macros, if they are too much: their largest part.
     pub(crate) fn overburdened(&self) -> Option<String> {
-        let shares = self.channel.shares();
+        let shares = self.channel.env.shares();
         let (limit, room) = (shares.rest, shares.room());
         // Kernels may be ahead of their results, so the number of events gives the maximum size of the results.
-        let events = self.ports.emitter.count();
+        let events = self.channel.emitter.count();
         let several = self.channel.env.machine.channels.len() > 1;
         let kept = self.components.turns.dialects.iter().map(|resting| &resting.dialect);
         let interpreters = || kept.clone().chain([&self.dialect]).filter_map(|dialect| dialect.interpreter.as_deref());
@@ -60,7 +60,7 @@ impl Kernel<'_> {
     /// Between two holes of a block: publishes the progress of this kernel and checks the limits of the job. A hole
     /// counts as much work as a block.
     pub(crate) fn count_as_block(&mut self) -> Acted {
-        if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.bound())
+        if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.emitter.bound(&self.channel.at))
             || self.ports.control.cancelled()
         {
             return Err(Halt::Stopped);

@@ -15,8 +15,10 @@ use super::dialect_state::DialectState;
 use super::flow::Flow;
 use crate::macros::runtime::Runtime;
 use crate::state::State;
+use crate::state::at::At;
 use crate::state::burden::Burden;
-use crate::state::channel::{At, BlockText, Channel, Reports};
+use crate::state::channel::{BlockText, Channel, Reports};
+use crate::state::times::TimeRecord;
 use counterpoint_event::event::FileId;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_machine::macros::model::Hook;
@@ -56,12 +58,35 @@ pub struct Carried {
     turns: Turns,
 }
 
+/// Memory of the master between Machine Startup and Machine Shutdown.
+pub struct MasterMemory {
+    macros: Box<Runtime>,
+    times: Box<TimeRecord>,
+}
+
+impl Kernel<'_> {
+    /// Sends the events of the master, and keeps its memory for Machine Shutdown.
+    pub fn into_master(mut self) -> MasterMemory {
+        self.channel.come_to_rest();
+        self.channel.flush();
+        MasterMemory { macros: self.macros, times: self.channel.state.times }
+    }
+
+    /// Continues as the master at the end of the log, at this time, ns, and micro step.
+    pub fn take_over_master(&mut self, memory: MasterMemory, (clock, micro): (i64, u32)) {
+        (self.channel.at.clock, self.channel.at.micro) = (clock, micro);
+        (self.macros, self.channel.state.times) = (memory.macros, memory.times);
+        self.macros.course.closing = true;
+        self.macros.issued.later.clear();
+    }
+}
+
 impl Kernel<'_> {
     /// Takes the kernel apart by name, so that a new part of it is either carried on or begins again here.
     fn into_carried(self) -> Carried {
-        let events = self.ports.emitter.count();
+        let events = self.channel.emitter.count();
         let Self { channel, ports: _, plan: _, flow, dialect, macros, components } = self;
-        let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, held: _, pace: _ } = channel;
+        let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, emitter: _ } = channel;
         let At {
             channel,
             clock,
@@ -120,10 +145,11 @@ impl Kernel<'_> {
         self.components.turns = carried.turns;
         if let Some(component) = self.components.current() {
             (self.channel.env.machine, self.plan) = (component.machine, component.plan);
+            self.channel.state.times.record_motions(self.plan.hooks.is_some());
             let reader = self.channel.env.whole.reader_for(component.machine.preprocessor);
             self.channel.env.sources = self.channel.env.sources.by(reader);
         }
-        self.ports.emitter.count_from(carried.events);
+        self.channel.emitter.count_from(carried.events);
     }
 }
 
@@ -143,7 +169,7 @@ impl Kernel<'_> {
         if idle > 0 {
             self.channel.at.idle_blocks = 0;
         }
-        self.macros.variables.store.idle = self.macros.variables.store.idle.saturating_add(idle);
+        self.channel.state.times.add_waiting(idle);
     }
 
     /// Begins another program. It counts as a block, so that a macro that restarts indefinitely comes to a limit.

@@ -6,7 +6,7 @@
 
 use super::Kernel;
 use crate::state::Running;
-use crate::state::channel::nanoseconds;
+use crate::state::at::nanoseconds;
 use counterpoint_event::event::{Function, Kind, MotionKind};
 use counterpoint_machine::rows::{CodeRow, Overlap};
 use counterpoint_program::block::PendingCode;
@@ -20,17 +20,17 @@ impl Kernel<'_> {
         let ns = nanoseconds(row.seconds);
         let (letter, value) = (self.channel.env.machine.letter_of(&row.form), pending.value);
         if self.runs_beside(row.overlap, (letter, value), ns) {
-            self.emit(0, Kind::Function(Function { letter, value }));
+            self.channel.emit(0, Kind::Function(Function { letter, value }));
             return;
         }
-        self.emit(ns, Kind::Function(Function { letter, value }));
+        self.channel.emit(ns, Kind::Function(Function { letter, value }));
         self.channel.advance(ns);
     }
 
     /// Starts a function that takes its time beside other work; `false` if it takes its time alone.
     pub(super) fn runs_beside(&mut self, overlap: Overlap, (letter, value): (char, f64), ns: i64) -> bool {
         let Some(slot) = SLOTS.iter().position(|slot| *slot == overlap) else { return false };
-        self.come_to_rest();
+        self.channel.come_to_rest();
         let end_ns = self.channel.at.clock.saturating_add(ns);
         if let Some(slot) = self.channel.state.others.running.get_mut(slot)
             && slot.is_none_or(|running| running.end_ns <= end_ns)
@@ -58,11 +58,11 @@ impl Kernel<'_> {
 
     fn wait_for_function(&mut self, slot: usize) {
         let Some(running) = self.channel.state.others.running.get_mut(slot).and_then(Option::take) else { return };
-        self.come_to_rest();
+        self.channel.come_to_rest();
         let left = running.end_ns - self.channel.at.clock;
         if left > 0 {
             let Running { letter, value, .. } = running;
-            self.emit(left, Kind::Function(Function { letter, value }));
+            self.channel.emit(left, Kind::Function(Function { letter, value }));
             self.channel.advance(left);
         }
     }

@@ -221,7 +221,7 @@ impl Kernel<'_> {
             axes: format!("{slave} with {master}").into(),
         });
         let text = format!("{}{what} {master} {slave}{place}", pair.kind.name());
-        self.emit(0, Logged::coupling(text, carried));
+        self.channel.emit(0, Logged::coupling(text, carried));
     }
 }
 

@@ -14,7 +14,7 @@ use counterpoint_sync::tag::Tag;
 
 use super::Kernel;
 use super::access::Door;
-use crate::state::channel::nanoseconds;
+use crate::state::at::nanoseconds;
 use crate::state::spindle::Turning;
 
 /// Changes of the speed by less than this share do not count.
@@ -111,7 +111,7 @@ impl Kernel<'_> {
         }
         // Programs that are only checked take no time, so no instant of theirs ends.
         if !self.channel.env.options.lint {
-            if self.channel.held.as_ref().is_some_and(|held| held.since.t < self.channel.at.clock) {
+            if self.channel.emitter.held_since().is_some_and(|since| since.t < self.channel.at.clock) {
                 self.flush_lookahead()?;
             }
             self.channel.at.micro = self.channel.at.micro.max(Tag::LATE);

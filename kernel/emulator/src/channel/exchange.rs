@@ -68,7 +68,7 @@ impl Kernel<'_> {
     pub(super) fn exchanged_move(&mut self, seconds: f64, motion: &Motion) -> Acted {
         let slots = self.channel.state.place.layout.exchanged;
         let channel = self.channel.at.channel;
-        let end_ns = self.channel.at.clock + crate::state::channel::nanoseconds(seconds);
+        let end_ns = self.channel.at.clock + crate::state::at::nanoseconds(seconds);
         let to = self.channel.machine_point(&motion.to);
         let in_exchange = |slot: &AxisSlot| slots & slot.bit() != 0;
         for slot in self.channel.state.place.layout.axes.ids().filter(in_exchange).collect::<Vec<_>>() {
@@ -98,7 +98,7 @@ impl Kernel<'_> {
 
     /// Takes a resource that another channel holds, after a move in progress there.
     fn take_lease(&mut self, wait: Wait) -> Acted {
-        let tag = self.tag();
+        let tag = self.channel.tag();
         let taken = self.shared(|order| order.take(tag, wait.key))?;
         let after = taken.map_err(|reason| super::wait::impossible(self, &reason))?;
         self.flow.pass.effects = true;
@@ -106,7 +106,7 @@ impl Kernel<'_> {
             Some(after) => super::wait::wait_until(self, wait, after),
             None => {
                 let text = self.channel.reports.waits.rules.text(&wait);
-                self.emit(0, Kind::mode(format!("sync mark={text} take")));
+                self.channel.emit(0, Kind::mode(format!("sync mark={text} take")));
                 Ok(())
             }
         }

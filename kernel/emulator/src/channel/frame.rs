@@ -18,7 +18,7 @@ impl Kernel<'_> {
         }
         if self.channel.state.place.shift != [0.0; MAX_AXES] {
             let shift = Box::new(self.channel.state.place.shift);
-            self.emit(0, Kind::Frame(Frame { shift }));
+            self.channel.emit(0, Kind::Frame(Frame { shift }));
         }
     }
 
@@ -78,17 +78,17 @@ impl Kernel<'_> {
             self.channel.state.place.shift = wanted;
         }
         self.channel.keep_ways(before);
-        self.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
+        self.channel.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
     }
 
     /// Resets the transformations between program and axes to those at the start of a job, except for offsets; the
     /// machine does not move.
     pub(crate) fn forget_frame(&mut self) {
         if self.channel.end_tip() {
-            self.emit(0, Kind::mode("rtcp off"));
+            self.channel.emit(0, Kind::mode("rtcp off"));
         }
         if self.channel.end_tilt() {
-            self.emit(0, Kind::mode("tilt off"));
+            self.channel.emit(0, Kind::mode("tilt off"));
         }
         self.channel.state.others.tilt = Default::default();
         let place = &mut self.channel.state.place;
@@ -116,6 +116,6 @@ impl Kernel<'_> {
         self.channel.frames_changed();
         let text =
             format!("unwind {}={}", self.channel.axis_name(axis), counterpoint_lang::format::wildcard_text(after));
-        self.emit(0, Kind::mode(text));
+        self.channel.emit(0, Kind::mode(text));
     }
 }

@@ -1,6 +1,6 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
-use crate::state::channel::BlockPlace;
+use crate::state::at::BlockPlace;
 use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
@@ -44,7 +44,8 @@ impl Kernel<'_> {
     /// another file, with (`true`) or without resetting modal state. Without a program it waits for a start.
     pub fn live(mut self, start: Option<(FileId, Range, Arc<str>)>, again: Option<bool>) -> Lived {
         self.ports.coordinator.begin(self.channel.at.channel);
-        let mut ending = Ending { halt: Halt::ProgramEnd(None), ended: Some(self.tag()), idle: start.is_none() };
+        let mut ending =
+            Ending { halt: Halt::ProgramEnd(None), ended: Some(self.channel.tag()), idle: start.is_none() };
         let (mut next, mut again) = (start, again);
         loop {
             if let Some(start) = next.take() {
@@ -65,7 +66,7 @@ impl Kernel<'_> {
         let (file, range, name) = start;
         self.ports.progress.set_state(State::Running);
         self.channel.at.go_to(BlockPlace { file, line: 0, caller: SourcePlace::NONE });
-        self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
+        self.channel.emit(0, Kind::Lifecycle(Phase::ProgramStart));
         let begun = match again {
             Some(reset) => self.begin_again(file, range, name, reset),
             None => self.begin(file, range, name),
@@ -81,7 +82,7 @@ impl Kernel<'_> {
         }
         if let Halt::ProgramEnd(_) = halt {
             // No later block checks the limit for the last block, or for moves whose time was not known yet.
-            self.come_to_rest();
+            self.channel.come_to_rest();
             if let Err(limit) = self.check_limits() {
                 halt = limit;
             }
@@ -93,12 +94,12 @@ impl Kernel<'_> {
     /// Waits until another channel starts a program here; none if no channel can do so any more.
     fn wait_for_start(&mut self) -> Option<(FileId, Range, Arc<str>)> {
         let (coordinator, channel) = (self.ports.coordinator, self.channel.at.channel);
-        let wake = coordinator.wait(channel, self, |kernel| kernel.flush());
+        let wake = coordinator.wait(channel, self, |kernel| kernel.channel.flush());
         self.ports.control.disturb(channel);
         let Wake::Started { tag, program } = wake else { return None };
         if tag.t > self.channel.at.clock {
             self.channel.at.idle_blocks = 0;
-            self.macros.variables.store.idle += tag.t - self.channel.at.clock;
+            self.channel.state.times.add_waiting(tag.t - self.channel.at.clock);
         }
         (self.channel.at.clock, self.channel.at.micro) = (tag.t, tag.micro);
         if !self.flow.frames.is_empty() {
@@ -144,15 +145,15 @@ impl Kernel<'_> {
         }
         self.report_softened(halt);
         if let Halt::ProgramEnd(Some(stop)) = halt {
-            self.emit(0, Kind::Stop(stop));
+            self.channel.emit(0, Kind::Stop(stop));
         }
         let mut ended = None;
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
-            self.emit(0, Kind::Lifecycle(phase));
-            ended = Some(self.tag());
+            self.channel.emit(0, Kind::Lifecycle(phase));
+            ended = Some(self.channel.tag());
             let SourcePlace { file, line } = self.channel.at.user_place();
             let finish = Finish { how, file, line };
-            let (tag, info) = (self.tag(), self.channel.env.info);
+            let (tag, info) = (self.channel.tag(), self.channel.env.info);
             // A reset ends one channel, even where an alarm would end all.
             let stop_all = halt == Halt::Alarm
                 && !self.channel.reports.reset
@@ -182,8 +183,8 @@ impl Kernel<'_> {
     /// Leaves the other channels for good.
     fn leave(&mut self, halt: Halt) {
         let (how, ..) = terminal(halt);
-        self.come_to_rest();
-        self.flush();
+        self.channel.come_to_rest();
+        self.channel.flush();
         let SourcePlace { file, line } = self.channel.at.user_place();
         let (channel, finish) = (self.channel.at.channel, Finish { how, file, line });
         self.ports.coordinator.done(channel, |order| {
@@ -215,7 +216,16 @@ impl Kernel<'_> {
 
     fn log_of_master(&mut self, (file, line): (FileId, u32), kind: Kind) {
         let (t_ns, micro) = (self.channel.at.clock, self.channel.at.micro);
-        self.push_event(Event { t_ns, micro, dur_ns: 0, channel: 0, file, line, caller: SourcePlace::NONE, kind });
+        self.channel.emitter.push(Event {
+            t_ns,
+            micro,
+            dur_ns: 0,
+            channel: 0,
+            file,
+            line,
+            caller: SourcePlace::NONE,
+            kind,
+        });
     }
 
     /// Limits of the job that one channel can reach.
@@ -225,7 +235,7 @@ impl Kernel<'_> {
         // All at once, as a block is seldom beyond any of them.
         let within = (self.channel.now() <= limits.simulated_ns)
             & (self.channel.at.blocks + self.channel.burden.blocks() <= limits.blocks)
-            & (self.ports.emitter.count() <= limits.events)
+            & (self.channel.emitter.count() <= limits.events)
             & (self.channel.at.idle_blocks <= limits.zero_time_blocks)
             & (self.channel.burden.steps <= limits.macro_steps);
         if within && !self.channel.at.blocks.is_multiple_of(WEIGHED_EVERY) { Ok(()) } else { self.check_each_limit() }
@@ -240,7 +250,7 @@ impl Kernel<'_> {
             (Limit::SimulatedTime, reason)
         } else if self.channel.at.blocks + self.channel.burden.blocks() > limits.blocks {
             (Limit::Blocks, format!("more than {} blocks", limits.blocks))
-        } else if self.ports.emitter.count() > limits.events {
+        } else if self.channel.emitter.count() > limits.events {
             (Limit::Events, format!("more than {} events in its log", limits.events))
         } else if self.channel.at.idle_blocks > limits.zero_time_blocks {
             (
@@ -272,7 +282,7 @@ impl Kernel<'_> {
     /// The same, at a line of the loop that never ends or at the block.
     fn stop_all(&mut self, reason: &str, limit: Option<Limit>, place: SourcePlace) -> Halt {
         let kind = limit.map_or(VerdictKind::PartnerSpinning, |_| VerdictKind::Limit);
-        let (own_channel, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
+        let (own_channel, tag, info) = (self.channel.at.channel, self.channel.tag(), self.channel.env.info);
         if limit.is_some() {
             self.report_polled();
         }

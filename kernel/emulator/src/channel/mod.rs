@@ -22,7 +22,6 @@ pub(crate) mod data;
 mod diagnostics;
 pub(crate) mod dialect_state;
 mod driven_spindle;
-pub mod emit;
 mod exchange;
 pub(crate) mod flow;
 mod frame;
@@ -34,7 +33,6 @@ mod letter_zero;
 pub(crate) mod life;
 mod motion;
 mod names;
-mod pace;
 pub mod parts;
 mod passes;
 pub mod plan;
@@ -56,19 +54,18 @@ mod wait;
 use components::Components;
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
-use counterpoint_sync::backlog::blank;
 use dialect_state::DialectState;
-use emit::Emitter;
 use flow::Flow;
 use parts::{Ports, Setup};
 use plan::Plan;
 
 use crate::macros::runtime::Runtime;
 use crate::state::State;
+use crate::state::at::At;
 use crate::state::burden::Burden;
-use crate::state::channel::{Acting, At, BlockText, Channel, Reports};
+use crate::state::channel::{Acting, BlockText, Channel, Reports};
+use crate::state::emitter::Emitter;
 use crate::state::pace::Pace;
-use counterpoint_event::event::{Event, Kind};
 use counterpoint_machine::model::Channel as MachineChannel;
 use counterpoint_program::block::Block;
 use counterpoint_sync::order::Order;
@@ -93,9 +90,11 @@ pub struct Kernel<'a> {
 impl<'a> Kernel<'a> {
     /// A kernel at the start of its life.
     pub fn new(setup: Setup<'a>, channel: &MachineChannel) -> Self {
-        let Setup { env, ports, plan, components } = setup;
+        let Setup { env, emitter, ports, plan, components } = setup;
         let tape = (plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default());
         let machine = env.machine;
+        let mut state = State::new(machine, channel);
+        state.times.record_motions(plan.hooks.is_some());
         Self {
             channel: Channel {
                 env,
@@ -103,11 +102,10 @@ impl<'a> Kernel<'a> {
                 block: Block::default(),
                 text: BlockText { tape, ..BlockText::default() },
                 acting: Acting::default(),
-                state: State::new(machine, channel),
+                state,
                 reports: Reports::new(rules(env.whole)),
                 burden: Burden::default(),
-                held: None,
-                pace: Pace::of(machine, channel, env.options),
+                emitter: emitter.paced(Pace::of(machine, channel, env.options)),
             },
             ports,
             plan,
@@ -120,78 +118,6 @@ impl<'a> Kernel<'a> {
 }
 
 impl Kernel<'_> {
-    /// This kernel's current tag, at rest.
-    pub fn tag(&mut self) -> Tag {
-        self.come_to_rest();
-        self.channel.at.tag()
-    }
-
-    /// Adds an event of this block at the clock.
-    #[inline]
-    pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
-        let bytes = kind.text_bytes();
-        self.emit_as(dur_ns, |slot| *slot = kind);
-        if bytes > 0 && self.ports.emitter.carries(bytes) {
-            self.flush();
-        }
-    }
-
-    /// Adds an event whose kind is written where it stays.
-    #[inline(always)]
-    pub(crate) fn emit_as(&mut self, dur_ns: i64, write: impl FnOnce(&mut Kind)) {
-        let At { channel, clock, micro, file, line, caller, .. } = self.channel.at;
-        let slot = match self.ports.emitter.slot() {
-            Some(event) => Some(event),
-            None => self.other_slot(Tag { t: clock, micro, channel }),
-        };
-        if let Some(event) = slot {
-            (event.t_ns, event.micro, event.dur_ns) = (clock, micro, dur_ns);
-            (event.channel, event.file, event.line, event.caller) = (channel, file, line, caller);
-            write(&mut event.kind);
-        }
-    }
-
-    /// Adds a complete event.
-    pub(crate) fn push_event(&mut self, event: Event) {
-        let tag = Tag { t: event.t_ns, micro: event.micro, channel: self.channel.at.channel };
-        let slot = match self.ports.emitter.slot() {
-            Some(slot) => Some(slot),
-            None => self.other_slot(tag),
-        };
-        if let Some(slot) = slot {
-            *slot = event;
-        }
-    }
-
-    /// The place of an event at this tag where the chunk of the emitter has none: among the events held back, or in the
-    /// next chunk.
-    #[cold]
-    #[inline(never)]
-    fn other_slot(&mut self, tag: Tag) -> Option<&mut Event> {
-        if self.channel.held.is_none() && self.channel.pace.as_ref().is_some_and(|pace| pace.is_active()) {
-            return self.paced_slot();
-        }
-        let emitter = &mut self.ports.emitter;
-        match &mut self.channel.held {
-            Some(held) => {
-                held.events.push(blank());
-                let count = emitter.held_count() + 1;
-                emitter.holds_back(Some(count));
-                held.events.last_mut()
-            }
-            None => {
-                emitter.flush(tag);
-                emitter.slot()
-            }
-        }
-    }
-
-    /// Sends the events so far. Events held back stay.
-    pub(crate) fn flush(&mut self) {
-        let upto = self.channel.promise();
-        self.ports.emitter.flush(upto);
-    }
-
     /// Runs an operation on the data that channels share, in tag order.
     ///
     /// # Errors
@@ -202,10 +128,10 @@ impl Kernel<'_> {
             // The master works while no channel does.
             return Ok(coordinator.unordered(operation));
         }
-        if self.channel.held.as_ref().is_some_and(|held| held.since.t < self.channel.at.clock) {
+        if self.channel.emitter.held_since().is_some_and(|since| since.t < self.channel.at.clock) {
             self.flush_lookahead()?;
         }
-        self.come_to_rest();
+        self.channel.come_to_rest();
         self.in_order(self.channel.at.tag(), operation)
     }
 
@@ -215,12 +141,12 @@ impl Kernel<'_> {
     /// # Errors
     /// When the job was stopped before.
     pub(crate) fn shared_ahead<R>(&mut self, operation: impl FnOnce(&mut Order) -> R) -> Result<R, Halt> {
-        if self.channel.held.is_none() || self.channel.at.channel == 0 {
+        let Some(since) = self.channel.emitter.held_since().filter(|_| self.channel.at.channel != 0) else {
             return self.shared(operation);
-        }
-        self.come_to_rest();
-        let tag = self.channel.held.as_ref().map_or_else(|| self.channel.at.tag(), |held| held.since);
-        self.in_order(tag, operation)
+        };
+        self.channel.come_to_rest();
+        let since = self.channel.emitter.held_since().unwrap_or(since);
+        self.in_order(since, operation)
     }
 
     /// The same while the path continues: at the time of its end as far as that is known.
@@ -228,16 +154,14 @@ impl Kernel<'_> {
     /// # Errors
     /// When the job was stopped before.
     pub(crate) fn shared_in_motion<R>(&mut self, operation: impl FnOnce(&mut Order) -> R) -> Result<R, Halt> {
-        if self.channel.pace.is_none() || self.channel.at.channel == 0 {
+        if !self.channel.emitter.has_pace() || self.channel.at.channel == 0 {
             return self.shared(operation);
         }
-        if self.channel.held.as_ref().is_some_and(|held| held.since.t < self.channel.at.clock) {
+        if self.channel.emitter.held_since().is_some_and(|since| since.t < self.channel.at.clock) {
             self.flush_lookahead()?;
         }
         let tag = Tag { t: self.channel.now(), ..self.channel.at.tag() };
-        if let Some(pace) = &mut self.channel.pace {
-            pace.acted = tag.t;
-        }
+        self.channel.emitter.act_in_motion(tag.t);
         self.in_order(tag, operation)
     }
 
@@ -245,10 +169,10 @@ impl Kernel<'_> {
     fn in_order<R>(&mut self, tag: Tag, operation: impl FnOnce(&mut Order) -> R) -> Result<R, Halt> {
         let coordinator = self.ports.coordinator;
         self.ports.control.disturb(self.channel.at.channel);
-        let upto = self.channel.promise();
+        let upto = self.channel.emitter.promise(&self.channel.at);
         let flush = |emitter: &mut Emitter<'_>| emitter.flush(upto);
         let mut turn =
-            coordinator.enter_keeping((tag, upto), &mut self.ports.emitter, flush).map_err(|_| Halt::Stopped)?;
+            coordinator.enter_keeping((tag, upto), &mut self.channel.emitter, flush).map_err(|_| Halt::Stopped)?;
         let result = operation(&mut turn);
         drop(turn);
         self.ports.control.disturb(self.channel.at.channel);

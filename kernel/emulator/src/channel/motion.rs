@@ -12,6 +12,7 @@ use counterpoint_event::event::{Kind, Motion, MotionKind};
 use counterpoint_fault as diag;
 
 use crate::state::arc::LastMove;
+use crate::state::stretch::{emit_move, paced};
 
 impl Kernel<'_> {
     /// Executes a motion, by way of its macro if the machine has one.
@@ -42,12 +43,12 @@ impl Kernel<'_> {
     #[inline(never)]
     fn travel_attended(&mut self, seconds: f64, motion: &Motion) -> Acted {
         if let Some(beside) = self.channel.state.others.beside.take() {
-            let seconds = self.paced(seconds, motion).map_or(seconds, |stretch| stretch.piece.alone());
-            self.come_to_rest();
+            let seconds = paced(&self.channel, seconds, motion).map_or(seconds, |stretch| stretch.piece.alone());
+            self.channel.come_to_rest();
             // The path stops at the end of the block.
-            let pace = self.channel.pace.take();
+            let pace = self.channel.emitter.take_pace();
             let moved = self.travel_attended(seconds.max(beside.seconds), &beside.with(motion));
-            self.channel.pace = pace;
+            self.channel.emitter.put_pace(pace);
             return moved;
         }
         self.check_area(motion)?;
@@ -81,12 +82,12 @@ impl Kernel<'_> {
         if self.channel.state.place.clamped != 0 {
             self.check_clamps(motion);
         }
-        let (mut seconds, mut stretch) = (seconds, self.paced(seconds, motion));
+        let (mut seconds, mut stretch) = (seconds, paced(&self.channel, seconds, motion));
         if self.channel.state.place.layout.exchanged != 0
             && exchange::moves_exchanged(&self.channel.state.place, motion)
         {
             // When such a move ends has to be known to the channel that gets the axis.
-            self.come_to_rest();
+            self.channel.come_to_rest();
             seconds = stretch.take().map_or(seconds, |stretch| stretch.piece.alone());
             self.exchanged_move(seconds, motion)?;
         }
@@ -98,12 +99,12 @@ impl Kernel<'_> {
             self.channel.state.arcs.feed = Some((motion.feed, motion.feed_unit));
         }
         self.channel.state.place.position = motion.to;
-        let ns = crate::state::channel::nanoseconds(seconds);
+        let ns = crate::state::at::nanoseconds(seconds);
         if let Some(stretch) = stretch {
-            self.emit_move(ns, motion, &stretch);
+            emit_move(&mut self.channel, ns, motion, &stretch);
             self.channel.at.advance(ns);
         } else {
-            self.emit_as(ns, |kind| match kind {
+            self.channel.emitter.emit_as(&self.channel.at, ns, |kind| match kind {
                 Kind::Motion(place) => *place = *motion,
                 other => *other = Kind::Motion(*motion),
             });

@@ -1,14 +1,14 @@
 //! The parts of a kernel outside its channel: its outputs, and the data from which it is made.
 
 use super::components::Component;
-use super::emit::Emitter;
 use super::plan::Plan;
 use crate::state::channel::Environment;
+use crate::state::emitter::Emitter;
 use counterpoint_ports::control::{Control, Progress};
 use counterpoint_ports::step::Stepper;
 use counterpoint_sync::coordinator::switch::Port;
 
-/// The outputs of a kernel: to the other kernels, to the caller of the job, to the log.
+/// The outputs of a kernel: to the other kernels, to the caller of the job, to the operator.
 pub struct Ports<'a> {
     /// To the other kernels.
     pub coordinator: Port<'a>,
@@ -16,8 +16,6 @@ pub struct Ports<'a> {
     pub control: &'a Control,
     /// Live progress of the channel.
     pub progress: &'a Progress,
-    /// To the log.
-    pub emitter: Emitter<'a>,
     /// To the operator who steps through the job.
     pub stepper: Option<&'a dyn Stepper>,
 }
@@ -26,6 +24,8 @@ pub struct Ports<'a> {
 pub struct Setup<'a> {
     /// The subject of the run.
     pub env: Environment<'a>,
+    /// To the log.
+    pub emitter: Emitter<'a>,
     /// The paths out.
     pub ports: Ports<'a>,
     /// The machine, prepared.

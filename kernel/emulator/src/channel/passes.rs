@@ -225,7 +225,7 @@ impl Kernel<'_> {
         let begun = pass.begun.filter(|(_, before)| *before == print).map(|(changes, _)| changes);
         let names = self.names(lap.reads);
         let changes = loop {
-            let tag = self.tag();
+            let tag = self.channel.tag();
             match self.shared_ahead(|order| order.lap(tag, lap, begun, &names, every))? {
                 After::Pass(changes) => break changes,
                 After::Hopeless => {
@@ -248,14 +248,14 @@ impl Kernel<'_> {
     /// Rests while all passes are alike: those left out.
     fn rest(&mut self, every: i64, names: &str) -> Result<u64, Halt> {
         let (coordinator, channel) = (self.ports.coordinator, self.channel.at.channel);
-        let wake = coordinator.wait(channel, self, |kernel| kernel.flush());
+        let wake = coordinator.wait(channel, self, |kernel| kernel.channel.flush());
         self.ports.control.disturb(channel);
         let Wake::Roused { tag, passes } = wake else { return Err(Halt::Stopped) };
         let time = tag.t - self.channel.at.clock;
         debug_assert_eq!(u128::try_from(time), Ok(u128::from(passes) * every as u128));
         self.channel.advance(time);
         self.flow.pass.dwell(time);
-        self.emit(0, Kind::mode(format!("polled {names} {passes} times")));
+        self.channel.emit(0, Kind::mode(format!("polled {names} {passes} times")));
         Ok(passes)
     }
 

@@ -60,14 +60,14 @@ impl Kernel<'_> {
             if self.plan.hooks.is_some() {
                 self.issue((facts.number, severity), text, (None, stops));
             } else {
-                self.channel.count_error(severity);
+                self.channel.reports.alarms.count(severity);
                 let text = shortened(&text);
                 self.channel.burden.result(text.len() + RESULT);
                 let unrecognised = self.channel.reports.take_unrecognised(facts.number, text);
                 let (number, text) = (facts.number, text.into());
                 let race = self.channel.reports.take_race(number);
                 let diagnostic = Diagnostic { number, severity, text, unrecognised, race, ..Diagnostic::default() };
-                self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
+                self.channel.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
             }
         }
         self.channel.reports.alarms.stopping |= stops;
@@ -132,7 +132,7 @@ impl Kernel<'_> {
         let text = format!("channel {} {what} that the machine reports as less than an error", self.channel.at.channel);
         let (number, severity, text) = (diag::ALARM_SOFTENED.number, diag::ALARM_SOFTENED.severity, text.into());
         let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
-        self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
+        self.channel.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 
     /// Text of the user's current block, for messages: at most 60 characters. Codes that a macro executes without a text of

@@ -28,7 +28,7 @@ impl Kernel<'_> {
         self.flow.pass.effects = true;
         if self.channel.state.spindle.shared {
             self.flush_lookahead()?;
-            self.come_to_rest();
+            self.channel.come_to_rest();
         }
         let before = self.turning_speed()?;
         let old = self.channel.state.spindle.command;
@@ -108,14 +108,14 @@ impl Kernel<'_> {
         if after != before {
             seconds += self.channel.env.machine.time.spindle_speed;
         }
-        let ns = crate::state::channel::nanoseconds(seconds);
+        let ns = crate::state::at::nanoseconds(seconds);
         let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
         let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
         if ns > 0 && self.runs_beside(overlap, ('S', after.round()), ns) {
-            self.emit(0, Kind::Spindle(event));
+            self.channel.emit(0, Kind::Spindle(event));
             return Ok(());
         }
-        self.emit(ns, Kind::Spindle(event));
+        self.channel.emit(ns, Kind::Spindle(event));
         self.channel.advance(ns);
         Ok(())
     }

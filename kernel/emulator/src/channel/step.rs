@@ -35,7 +35,7 @@ impl Kernel<'_> {
             // Steps go over the blocks of resident programs.
             return Ok(());
         }
-        let (channel, clock) = (self.channel.at.channel, self.channel.bound());
+        let (channel, clock) = (self.channel.at.channel, self.channel.emitter.bound(&self.channel.at));
         let first = self.ports.coordinator.is_furthest_behind(channel, clock);
         let variables = &self.dialect.variables;
         let place = self.place(SourcePlace::new(self.channel.at.file, self.channel.at.line));

@@ -65,7 +65,7 @@ impl Kernel<'_> {
             // A loop that reads a clock ends without other channels.
             means @ (Means::Milliseconds | Means::Hours | Means::Date | Means::TimeOfDay) => {
                 self.flow.pass.effects = true;
-                self.come_to_rest();
+                self.channel.come_to_rest();
                 self.shown(means, number, at).ok_or(NotThere::Missing)
             }
             means => self.shown(means, number, at).ok_or(NotThere::Missing),
@@ -90,7 +90,7 @@ impl Kernel<'_> {
         }
         self.flow.pass.effects = true;
         if matches!(row.means, Means::Milliseconds | Means::Hours) {
-            self.come_to_rest();
+            self.channel.come_to_rest();
         }
         let value = if is_vacant(value) { 0.0 } else { value };
         match &row.means {

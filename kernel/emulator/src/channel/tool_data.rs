@@ -72,7 +72,7 @@ impl Kernel<'_> {
             return;
         }
         reported.insert(data.tool, data.clone());
-        self.emit(0, Kind::ToolData(Box::new(data)));
+        self.channel.emit(0, Kind::ToolData(Box::new(data)));
     }
 
     fn tool_data(&self, tool: u32) -> ToolData {

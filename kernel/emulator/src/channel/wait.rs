@@ -33,7 +33,7 @@ impl Kernel<'_> {
     /// Starts the selected programs of other channels.
     pub(crate) fn start(&mut self, channels: wait::Set) -> Acted {
         self.flow.pass.effects = true;
-        let tag = self.tag();
+        let tag = self.channel.tag();
         self.shared(|order| order.start(tag, channels))?.map_err(|reason| not_startable(self, &reason))
     }
 
@@ -54,13 +54,13 @@ impl Kernel<'_> {
     /// The wait itself, regardless of couplings.
     pub(super) fn wait_plainly(&mut self, wait: wait::Wait) -> Acted {
         self.flow.pass.effects = true;
-        if self.channel.pace.is_some()
+        if self.channel.emitter.has_pace()
             && is_passed_in_motion(self.channel.env.machine, &wait)
-            && let Some(brakes) = self.brakes_at()
+            && let Some(brakes) = self.channel.emitter.brakes_at(&mut self.channel.state.move_times())
         {
             return self.wait_in_motion(wait, brakes);
         }
-        self.come_to_rest();
+        self.channel.come_to_rest();
         let first = match wait.primitive {
             Primitive::Lease => true,
             Primitive::Count | Primitive::Signal => wait.need != 0,
@@ -81,7 +81,7 @@ impl Kernel<'_> {
 
     /// Executes an act at which other channels may continue; it is shown as this wait would be.
     pub(crate) fn let_continue(&mut self, act: wait::Act, shown: wait::Wait) -> Acted {
-        self.come_to_rest();
+        self.channel.come_to_rest();
         self.flow.pass.effects = true;
         self.note_order(!matches!(act, wait::Act::Signal(_)), None)?;
         let what = match act {
@@ -92,17 +92,17 @@ impl Kernel<'_> {
             wait::Act::Give { .. } => "give",
         };
         show(self, &shown, what);
-        let tag = self.tag();
+        let tag = self.channel.tag();
         self.shared(|order| order.act(tag, act))?.map_err(|reason| impossible(self, &reason))
     }
 
     /// Sends a signal with values, or removes signals.
     pub(crate) fn signal(&mut self, act: wait::Act, letter: Option<Letter>, shown: wait::Wait) -> Acted {
-        self.come_to_rest();
+        self.channel.come_to_rest();
         self.flow.pass.effects = true;
         self.note_order(!matches!(act, wait::Act::Signal(_)), None)?;
         show(self, &shown, if matches!(act, wait::Act::Signal(_)) { "set" } else { "clear" });
-        let tag = self.tag();
+        let tag = self.channel.tag();
         self.shared(|order| order.act_with(tag, act, letter))?.map_err(|reason| {
             let text = format!("250001 {reason}, in '{}'", self.block_text());
             self.alarm(&diag::SIGNALS_FULL, text)
@@ -111,7 +111,7 @@ impl Kernel<'_> {
 
     /// Waits for signals: the values that came with them.
     pub(crate) fn await_signal(&mut self, wait: wait::Wait) -> Result<Vec<Letter>, Halt> {
-        self.come_to_rest();
+        self.channel.come_to_rest();
         self.flow.pass.effects = true;
         self.note_order(wait.need != 0, None)?;
         if self.channel.reports.waits.rules.of(&wait).is_some_and(|rule| rule.signals.in_order) {
@@ -130,7 +130,7 @@ impl Kernel<'_> {
 
     /// Takes signals if they are there: the values that came with them.
     pub(crate) fn read_signal(&mut self, wait: wait::Wait) -> Result<Option<Vec<Letter>>, Halt> {
-        self.come_to_rest();
+        self.channel.come_to_rest();
         self.flow.pass.effects = true;
         self.note_order(true, None)?;
         let (waiting, _) = arrival(self, wait);
@@ -184,7 +184,7 @@ impl Logged {
     fn new(kernel: &mut Kernel<'_>, wait: &wait::Wait, since_ns: i64) -> Self {
         let wait = kernel.channel.reports.waits.wait(wait);
         kernel.channel.burden.result(crate::state::burden::RESULT);
-        kernel.emit(0, Kind::Wait(wait.clone()));
+        kernel.channel.emit(0, Kind::Wait(wait.clone()));
         Self { wait, since_ns }
     }
 
@@ -197,7 +197,7 @@ impl Logged {
 /// Where the channel arrives, and how it ends if the control refuses that.
 fn arrival(kernel: &mut Kernel<'_>, wait: wait::Wait) -> (Waiting, Finish) {
     let SourcePlace { file, line } = kernel.channel.at.user_place();
-    (Waiting { wait, tag: kernel.tag(), file, line }, Finish { how: Terminal::Alarmed, file, line })
+    (Waiting { wait, tag: kernel.channel.tag(), file, line }, Finish { how: Terminal::Alarmed, file, line })
 }
 
 impl Kernel<'_> {
@@ -212,11 +212,8 @@ impl Kernel<'_> {
         let tag = Tag { t: brakes, micro: 0, channel: self.channel.at.channel };
         let logged = Logged { wait: self.channel.reports.waits.wait(&wait), since_ns: brakes };
         self.channel.burden.result(crate::state::burden::RESULT);
-        if let Some(pace) = &mut self.channel.pace {
-            pace.draw_in(brakes);
-            pace.acted = brakes;
-        }
-        self.emit_during(brakes, 0, Kind::Wait(logged.wait.clone()));
+        self.channel.emitter.draw_in(brakes);
+        self.channel.emitter.emit_during(&self.channel.at, (brakes, 0), Kind::Wait(logged.wait.clone()));
         let SourcePlace { file, line } = self.channel.at.user_place();
         let own = Finish { how: Terminal::Alarmed, file, line };
         let (waiting, info) = (Waiting { wait, tag, file, line }, self.channel.env.info);
@@ -242,10 +239,11 @@ impl Kernel<'_> {
             _ => None,
         };
         if let Some((t, micro, sync_point, by)) = passed.filter(|(t, ..)| *t == brakes && warning.is_none()) {
-            self.emit_during(t, micro, Kind::Release(logged.release(sync_point, by)));
+            let release = Kind::Release(logged.release(sync_point, by));
+            self.channel.emitter.emit_during(&self.channel.at, (t, micro), release);
             return Ok(());
         }
-        self.come_to_rest();
+        self.channel.come_to_rest();
         if let Some(text) = warning {
             self.diagnose(&diag::WAIT_LISTS, text);
         }
@@ -267,10 +265,10 @@ fn arrive(kernel: &mut Kernel<'_>, wait: wait::Wait) -> Acted {
         waiting,
         kernel,
         |kernel| {
-            kernel.flush();
+            kernel.channel.flush();
             kernel.ports.progress.stand(logged.wait.clone());
         },
-        |kernel, look| kernel.ports.emitter.work(look),
+        |kernel, look| kernel.channel.emitter.work(look),
     );
     kernel.ports.control.disturb(kernel.channel.at.channel);
     let (after, warning) = match met {
@@ -355,7 +353,7 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, logged: &Logged) -> Acted {
         Wake::Released { tag, sync_point, by, all, short } => {
             kernel.ports.progress.set_state(State::Running);
             if all {
-                kernel.ports.emitter.all_reached(tag.t);
+                kernel.channel.emitter.all_reached(tag.t);
             }
             go_on(kernel, (tag.t, tag.micro), logged.release(sync_point, by));
             report_short(kernel, short);
@@ -378,7 +376,7 @@ fn stand(kernel: &mut Kernel<'_>, verdict: Option<Verdict>, logged: &Logged) -> 
     }
     let (coordinator, channel) = (kernel.ports.coordinator, kernel.channel.at.channel);
     let wake = coordinator.wait(channel, kernel, |kernel| {
-        kernel.flush();
+        kernel.channel.flush();
         kernel.ports.progress.stand(logged.wait.clone());
     });
     kernel.ports.control.disturb(channel);
@@ -391,10 +389,10 @@ fn go_on(kernel: &mut Kernel<'_>, released: (i64, u32), release: Release) {
     if t > kernel.channel.at.clock {
         kernel.channel.at.timed = kernel.channel.at.user_place();
         kernel.channel.at.idle_blocks = 0;
-        kernel.macros.variables.store.idle += t - kernel.channel.at.clock;
+        kernel.channel.state.times.add_waiting(t - kernel.channel.at.clock);
     }
     (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
-    kernel.emit(0, Kind::Release(release));
+    kernel.channel.emit(0, Kind::Release(release));
 }
 
 /// Reports that a counted wait has synchronised nothing.
@@ -413,7 +411,7 @@ fn report_short(kernel: &mut Kernel<'_>, short: Option<Short>) {
 /// Logs the act of the channel at a mark without waiting.
 fn show(kernel: &mut Kernel<'_>, wait: &wait::Wait, what: &str) {
     let text = kernel.channel.reports.waits.rules.text(wait);
-    kernel.emit(0, Kind::mode(format!("sync mark={text} {what}")));
+    kernel.channel.emit(0, Kind::mode(format!("sync mark={text} {what}")));
 }
 
 /// When a channel continues that is released at a time, but no earlier than it has come to rest.

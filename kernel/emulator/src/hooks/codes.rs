@@ -74,7 +74,7 @@ impl Kernel<'_> {
 
     /// Register of the sequence numbers that the head of this channel has of its own.
     pub(crate) fn own_sequence(&self) -> Option<RegisterId> {
-        let own = usize::from(self.channel.kernel_number())
+        let own = usize::from(self.channel.env.kernel_number(self.channel.at.channel))
             .checked_sub(1)
             .and_then(|head| self.plan.registers.head_sequences.get(head));
         own.copied().flatten()

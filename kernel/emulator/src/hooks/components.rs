@@ -49,6 +49,7 @@ impl Kernel<'_> {
         let mut old = std::mem::replace(&mut self.macros, known.unwrap_or_default());
         let before = self.channel.env.machine;
         (self.channel.env.machine, self.plan) = (next.machine, next.plan);
+        self.channel.state.times.record_motions(next.plan.hooks.is_some());
         if first {
             self.set_up_macros(next.macros);
         }
@@ -56,7 +57,7 @@ impl Kernel<'_> {
         std::mem::swap(&mut new.issued, &mut shown.issued);
         std::mem::swap(&mut new.books, &mut shown.books);
         std::mem::swap(&mut new.tools, &mut shown.tools);
-        new.variables.store.continue_times(&shown.variables.store);
+        new.variables.store.continue_counts(&shown.variables.store);
         if let Some(left) = left {
             self.components.turns.kept.push((left, old));
         }
@@ -67,7 +68,7 @@ impl Kernel<'_> {
             std::mem::take(&mut self.channel.text.tape.1),
         );
         let text = format!("component {}", next.name).into();
-        self.emit(0, Kind::Message(Message { text, printed: false }));
+        self.channel.emit(0, Kind::Message(Message { text, printed: false }));
         if first {
             self.plain_macro(Hook::Declaration)?;
         }

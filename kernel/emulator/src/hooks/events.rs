@@ -12,6 +12,7 @@ use crate::macros::runtime::Runtime;
 use crate::macros::store::column;
 use crate::macros::store::names;
 use crate::macros::tool_table::MOST_TOOLS;
+use crate::state::State;
 use crate::state::channel::Channel;
 use counterpoint_event::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use counterpoint_fault as diag;
@@ -168,21 +169,21 @@ impl Kernel<'_> {
     /// The event itself: only the listing shows it.
     pub(crate) fn load_head(&mut self, kind: f64, id: u32) -> Acted {
         let verb = if kind == 1.0 { "select" } else { "load" };
-        self.emit(0, Kind::mode(format!("{verb} head n={id}")));
+        self.channel.emit(0, Kind::mode(format!("{verb} head n={id}")));
         Ok(())
     }
 
     /// Assigns a row of the tool table to a loaded tool, with the name set for it.
     fn tool_row(&mut self, tool: u32) {
         let (facts, clock) = (self.channel.env.machine.tool.facts(tool), self.channel.now());
-        let Runtime { tools, books, variables, .. } = &mut *self.macros;
+        let Runtime { tools, variables, .. } = &mut *self.macros;
         let (names, store) = (names(), &mut variables.store);
         let Some(at) = tools.load(store, tool, facts) else {
             let text = format!("the tool table is full: it has {MOST_TOOLS} rows");
             return self.diagnose(&diag::TOOL_TABLE, text);
         };
         let row = at as i64;
-        books.switch_tool(at, clock);
+        self.channel.state.times.switch_tool(at, clock);
         store.set(names.tool_row, Value::Real(row as f64));
         store.set(names.tool_rows, Value::Real(tools.loaded().len() as f64 + 1.0));
         let name = store.get(names.tool_name).clone();
@@ -204,38 +205,23 @@ impl Kernel<'_> {
         }
         self.tool_row(tool);
         let Runtime { books, variables, .. } = &mut *self.macros;
-        books.begin_with_tool(&self.channel, &variables.store);
+        books.begin_with_tool(&mut self.channel, &variables.store);
     }
 
     /// Writes a motion down for the tables of tools and operations.
     pub(crate) fn book_motion(&mut self, seconds: f64, motion: &Motion) {
         let runtime = &mut *self.macros;
         runtime.arguments.before = self.channel.state.place.position;
-        let rapid = usize::from(motion.kind == MotionKind::Rapid);
-        if let Some(time) = runtime.variables.store.times.get_mut(rapid) {
-            *time += seconds;
-        }
-        runtime.variables.store.moving += crate::state::channel::nanoseconds(seconds);
-        runtime.books.sum_motion(&self.channel.state.spindle.command, rapid == 1, (seconds, motion.length));
+        let State { times, spindle, .. } = &mut self.channel.state;
+        times.add_motion(&spindle.command, motion.kind == MotionKind::Rapid, (seconds, motion.length));
         runtime.books.note_travel(&self.channel, motion);
-    }
-
-    /// Records the time of moves at feed beyond that of their lengths, ns.
-    pub(crate) fn book_more(&mut self, ns: i64) {
-        let Runtime { books, variables, .. } = &mut *self.macros;
-        let (store, seconds) = (&mut variables.store, ns as f64 / 1e9);
-        if let Some(time) = store.times.first_mut() {
-            *time += seconds;
-        }
-        store.moving += ns;
-        books.sum_motion(&self.channel.state.spindle.command, false, (seconds, 0.0));
     }
 
     /// The tool event itself.
     pub(crate) fn change_tool(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
         if action == ToolAction::Select {
             self.channel.state.place.tools.selected = tool;
-            self.emit(0, Kind::Tool(ToolChange { action, tool, offset }));
+            self.channel.emit(0, Kind::Tool(ToolChange { action, tool, offset }));
             return Ok(());
         }
         let before = self.channel.state.place.tools.current;
@@ -245,7 +231,7 @@ impl Kernel<'_> {
         if action == ToolAction::Load && self.plan.hooks.is_some() {
             self.book_tool(tool, before);
         }
-        self.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tools.current, offset }));
+        self.channel.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tools.current, offset }));
         self.channel.advance(ns);
         Ok(())
     }

@@ -55,7 +55,7 @@ impl Kernel<'_> {
             Later::Text(text, _) => text.to_string(),
             Later::Items(items, _) => self.listed(items),
         };
-        self.emit(0, Kind::listing(Listing::Block(burden::shortened(&text).into())));
+        self.channel.emit(0, Kind::listing(Listing::Block(burden::shortened(&text).into())));
     }
 
     /// Processes such a block.

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
 
-use crate::state::channel::BlockPlace;
+use crate::state::at::BlockPlace;
 use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
@@ -41,7 +41,7 @@ impl Kernel<'_> {
         runtime.issued.later.clear();
         runtime.course.closing = true;
         runtime.block.text = None;
-        self.channel.clear_stop();
+        self.channel.reports.alarms.stopping = false;
         match self.plain_macro(Hook::ProgramShutdown) {
             Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,
             _ => halt,
@@ -56,7 +56,7 @@ impl Kernel<'_> {
             runtime.course.restart.take().filter(|_| matches!(halt, Halt::ProgramEnd(_)))?;
         runtime.course.closing = false;
         if let Halt::ProgramEnd(Some(stop)) = halt {
-            self.emit(0, Kind::Stop(stop));
+            self.channel.emit(0, Kind::Stop(stop));
         }
         self.channel.at.blocks += 1;
         self.channel.at.idle_blocks += 1;

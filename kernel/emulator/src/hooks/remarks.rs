@@ -61,7 +61,7 @@ impl Kernel<'_> {
         let text = shortened(text);
         self.show_display(text);
         self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
-        self.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
+        self.channel.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
     }
 
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {

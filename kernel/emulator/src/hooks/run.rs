@@ -42,11 +42,12 @@ impl Kernel<'_> {
         let none = Macros::default();
         // A machine without macros has a program nevertheless if its programs have embedded code.
         let macros = self.channel.env.machine.macros.as_deref().unwrap_or(&none);
-        let memory = self.channel.shares().macros;
+        let memory = self.channel.env.shares().macros;
         let Some(program) = program else { return };
         // A composite has a master also for one channel.
         let kernels = self.channel.env.machine.channels.len() + usize::from(self.components.is_composite());
-        let mut runtime = Runtime::new(macros, program, self.channel.kernel_number(), (kernels, memory));
+        let mut runtime =
+            Runtime::new(macros, program, self.channel.env.kernel_number(self.channel.at.channel), (kernels, memory));
         runtime.arguments.slots = positions::six_axes(&self.channel.state.place);
         runtime.books.set_columns(&self.channel);
         let (extension, store) =
@@ -133,7 +134,7 @@ impl Kernel<'_> {
 
     /// Ends the job: the macros of this kernel keep more than their share of its memory.
     fn macros_out_of_memory(&mut self, largest: &str) -> Halt {
-        let share = self.channel.shares().macros;
+        let share = self.channel.env.shares().macros;
         self.out_of_memory(&format!("macros of this kernel keep more than {share} bytes, most of them in {largest}"))
     }
 

@@ -75,15 +75,15 @@ impl Kernel<'_> {
                 self.put_modes_back(&groups);
             }
             // LPRINT goes into the log also without a trace.
-            Command::Listing(on) => self.emit(0, Kind::listing(if on { Listing::On } else { Listing::Off })),
+            Command::Listing(on) => self.channel.emit(0, Kind::listing(if on { Listing::On } else { Listing::Off })),
             Command::Skip(lines) if lines > 0 => {
                 let lines = u32::try_from(lines.min(MOST_SKIPPED)).unwrap_or(0);
                 state.spend(lines as usize)?;
-                self.emit(0, Kind::listing(Listing::Lines(lines)));
+                self.channel.emit(0, Kind::listing(Listing::Lines(lines)));
             }
             Command::Skip(_) => {}
             Command::Print(text) => {
-                self.emit(0, Kind::Message(Message { text: shortened(text).into(), printed: true }))
+                self.channel.emit(0, Kind::Message(Message { text: shortened(text).into(), printed: true }))
             }
             Command::System(text) => return self.system_command(state, text),
         }

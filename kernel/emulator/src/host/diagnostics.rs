@@ -165,7 +165,7 @@ impl Kernel<'_> {
 
     /// Counts and logs.
     fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
-        self.channel.count_error(severity);
+        self.channel.reports.alarms.count(severity);
         self.macros.books.diagnosed(severity);
         let class = match severity {
             0..=3 => 0,
@@ -188,7 +188,7 @@ impl Kernel<'_> {
         let race = self.channel.reports.take_race(number);
         let text = text.into();
         let diagnostic = Diagnostic { number, severity, text, operation, kernel, origin, unrecognised, race };
-        self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
+        self.channel.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 
     /// `$FERSEV`: severity before the change, −1 for an unknown number.

@@ -132,8 +132,10 @@ impl Kernel<'_> {
     /// Passes the events before a question on to watchers while the job waits for the operator. The log is unchanged:
     /// events of moves whose times depend on later moves stay in the kernel.
     fn pass_events_on(&mut self) {
-        self.let_out_stopped();
-        self.flush();
+        if self.channel.emitter.path_stops() {
+            self.channel.come_to_rest();
+        }
+        self.channel.flush();
         self.ports.coordinator.pass_on();
     }
 

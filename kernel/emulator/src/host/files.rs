@@ -97,11 +97,11 @@ impl Shelf for Kernel<'_> {
             return Err(FORBIDDEN);
         }
         if self.macros.outside.leaving {
-            let tag = self.tag();
+            let tag = self.channel.tag();
             self.ports.coordinator.unordered(|order| order.shared.files.leave(tag, path, Some(text)));
             return Ok(());
         }
-        let limit = self.channel.shares().common;
+        let limit = self.channel.env.shares().common;
         let (done, over) = self.job_files(Mode::Write, |written| {
             let done = written.put(path, text);
             (done, written.bytes() as u64 > limit)
@@ -141,7 +141,7 @@ impl Shelf for Kernel<'_> {
 
     fn remove(&mut self, path: &str) {
         // Only temporary files are removed, and they are there until all kernels have ended.
-        let tag = self.tag();
+        let tag = self.channel.tag();
         self.ports.coordinator.unordered(|order| order.shared.files.leave(tag, path, None));
     }
 }

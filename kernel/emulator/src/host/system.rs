@@ -58,7 +58,7 @@ impl Kernel<'_> {
             self.diagnose(&counterpoint_fault::MACRO_FILES, text);
         }
         for line in output.lines().take(MOST_LINES) {
-            self.emit(0, Kind::Message(Message { text: shortened(line).into(), printed: false }));
+            self.channel.emit(0, Kind::Message(Message { text: shortened(line).into(), printed: false }));
         }
         Ok(status)
     }

@@ -11,7 +11,7 @@ mod statements;
 mod unknown;
 mod words;
 
-use crate::state::channel::BlockPlace;
+use crate::state::at::BlockPlace;
 use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};

@@ -3,7 +3,7 @@
 //! *Invariant:* a part is searched line by line, regardless of its jumps; if they lead beyond it, the part grows. An
 //! effect that cannot be known counts as one that others notice.
 
-use crate::state::channel::BlockPlace;
+use crate::state::at::BlockPlace;
 use std::sync::Arc;
 
 use counterpoint_dialect::outline::{Called, Goal, Step};

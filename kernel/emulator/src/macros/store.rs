@@ -105,13 +105,6 @@ pub struct Store {
     pub(crate) embedding: [String; 3],
     /// `$MCDNO` after TAPERD, 0 for the block in process.
     pub(crate) number: u32,
-    /// `$FEDTIM`, `$RAPTIM` in seconds.
-    pub(crate) times: [f64; 2],
-    /// Additions of macros to `$MISTIM`, `$IDLTIM`, in seconds.
-    pub(crate) added_times: [f64; 2],
-    /// Time of all motions and of all waiting, in nanoseconds.
-    pub(crate) moving: i64,
-    pub(crate) idle: i64,
     /// Settings made by `$FCEPP`.
     pub(crate) preprocessor: super::settings::Settings,
     /// Whether settings that are only possible before the end of Machine Startup are still open.
@@ -129,10 +122,6 @@ impl Store {
             listed: Vec::new(),
             embedding: ["#{".to_owned(), "!{".to_owned(), "}".to_owned()],
             number: 0,
-            times: [0.0; 2],
-            added_times: [0.0; 2],
-            moving: 0,
-            idle: 0,
             preprocessor: super::settings::Settings::default(),
             starting: false,
         }
@@ -160,9 +149,8 @@ impl Store {
         self.values.iter().chain(self.elements.values())
     }
 
-    /// Times and counts continue where another component has left them.
-    pub(crate) fn continue_times(&mut self, of: &Self) {
-        (self.times, self.added_times, self.moving, self.idle) = (of.times, of.added_times, of.moving, of.idle);
+    /// Counts continue where another component has left them.
+    pub(crate) fn continue_counts(&mut self, of: &Self) {
         (self.counts, self.listed) = (of.counts, of.listed.clone());
     }
 

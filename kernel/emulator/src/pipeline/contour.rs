@@ -6,7 +6,7 @@
 //! a contour that is a subprogram. Facts: reference turning-cycles.md 1.3. Decision: macros of the machine do not see
 //! blocks that are read.
 
-use crate::state::channel::BlockPlace;
+use crate::state::at::BlockPlace;
 use std::sync::Arc;
 
 use crate::channel::Kernel;

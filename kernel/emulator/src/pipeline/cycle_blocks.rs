@@ -59,7 +59,7 @@ impl Kernel<'_> {
             self.put_modes_back(&modes);
         }
         let level = self.flow.frames.len() as u16;
-        self.emit_as(0, |kind| *kind = Kind::Return(Return { level }));
+        self.channel.emitter.emit_as(&self.channel.at, 0, |kind| *kind = Kind::Return(Return { level }));
         if let Some(hooks) = self.plan.hooks {
             (hooks.program.returned)(self, called, program)?;
         }
@@ -68,10 +68,10 @@ impl Kernel<'_> {
 
     fn cycle_begins(&mut self, name: &Arc<str>) -> Acted {
         let level = self.flow.frames.len() as u16;
-        self.emit_as(0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
-        if self.ports.emitter.carries(name.len()) {
-            self.flush();
-        }
+        self.channel
+            .emitter
+            .emit_as(&self.channel.at, 0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
+        self.channel.emitter.carries(&self.channel.at, name.len());
         self.flow.pass.changes = true;
         // A hole is at the end of the move before it: no corner leads past it.
         (self.plan.actions.flush_due)(self, true)
@@ -80,7 +80,7 @@ impl Kernel<'_> {
     /// Executes a block of a cycle. `span` is the whole calling block, to which each word belongs. `direct`: the words
     /// of straight moves need no sorting.
     fn cycle_block(&mut self, words: &[CycleWord], span: (u32, u32), direct: &mut bool) -> Acted {
-        self.keep_pace();
+        self.channel.keep_pace();
         self.channel.at.blocks += 1;
         self.channel.at.made_blocks += 1;
         self.count_as_block()?;

@@ -185,10 +185,10 @@ impl Kernel<'_> {
 
     pub(crate) fn enter(&mut self, mut frame: Frame) {
         let (level, name) = (self.flow.frames.len() as u16, &frame.name);
-        self.emit_as(0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
-        if self.ports.emitter.carries(name.len()) {
-            self.flush();
-        }
+        self.channel
+            .emitter
+            .emit_as(&self.channel.at, 0, |kind| *kind = Kind::Call(Call { program: Arc::clone(name), level }));
+        self.channel.emitter.carries(&self.channel.at, name.len());
         self.flow.repeats = true;
         self.flow.pass.changes = true;
         if self.channel.env.info.is_resident(frame.file) {
@@ -240,7 +240,7 @@ impl Kernel<'_> {
                 (self.plan.actions.copy_figure)(self, figure, false)?;
             }
             let level = self.flow.frames.len() as u16;
-            self.emit_as(0, |kind| *kind = Kind::Return(Return { level }));
+            self.channel.emitter.emit_as(&self.channel.at, 0, |kind| *kind = Kind::Return(Return { level }));
             if let Some(hooks) = self.plan.hooks {
                 (hooks.program.returned)(self, &frame.called, (frame.file, frame.range))?;
             }

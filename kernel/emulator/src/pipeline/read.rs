@@ -6,7 +6,7 @@ use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::state::channel::BlockPlace;
+use crate::state::at::BlockPlace;
 use counterpoint_event::event::{Block, FileId, Kind};
 use counterpoint_fault as diag;
 use counterpoint_machine::model::{Format, RewindStop};
@@ -173,7 +173,7 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn begin_block(&mut self) -> Acted {
         use std::sync::atomic::Ordering::Relaxed;
-        self.keep_pace();
+        self.channel.keep_pace();
         self.channel.state.remembered.remember_sequence(self.channel.block.sequence);
         self.channel.at.blocks += 1;
         self.channel.at.idle_blocks += 1;
@@ -184,7 +184,8 @@ impl Kernel<'_> {
             self.ports.progress.file.store(u32::from(self.channel.at.file), Relaxed);
         }
         self.ports.progress.t_ns.store(self.channel.at.clock, Relaxed);
-        let goes_on = self.ports.coordinator.publish(self.channel.at.channel, self.channel.bound());
+        let goes_on =
+            self.ports.coordinator.publish(self.channel.at.channel, self.channel.emitter.bound(&self.channel.at));
         if !goes_on || self.ports.control.interferes() {
             self.interfered(goes_on)?;
         }
@@ -193,7 +194,7 @@ impl Kernel<'_> {
         }
         let number = self.channel.at.blocks - self.channel.at.made_blocks;
         let block = Block { number, unit_named: std::mem::take(&mut self.channel.reports.unit_named) };
-        self.emit_as(0, |kind| match kind {
+        self.channel.emitter.emit_as(&self.channel.at, 0, |kind| match kind {
             // Overwrites the old value; a kind of another shape is dropped first.
             Kind::Block(place) => *place = block,
             other => *other = Kind::Block(block),
@@ -206,7 +207,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn now_and_then(&mut self) -> Acted {
         if self.ports.coordinator.should_yield() {
-            self.flush();
+            self.channel.flush();
             self.ports.coordinator.yield_permit(self.channel.at.channel);
         }
         if self.channel.state.place.frames.is_some() { self.flush_old() } else { Ok(()) }

@@ -15,8 +15,17 @@ pub(crate) struct Alarms {
     pub(crate) softened: u32,
 }
 
+impl Alarms {
+    /// Counts an entry of the log if it is an error.
+    pub(crate) fn count(&mut self, severity: u8) {
+        if severity >= ERROR {
+            self.errors = self.errors.saturating_add(1);
+        }
+    }
+}
+
 /// Severity from which a diagnostic is an error.
-pub(crate) const ERROR: u8 = 8;
+const ERROR: u8 = 8;
 
 /// The effect of an alarm in its block.
 pub(crate) const NOT_DONE: &str = "no part of the block acts";
@@ -45,26 +54,9 @@ impl Channel<'_> {
         if self.goes_on_at(facts) { instead } else { NOT_DONE }
     }
 
-    /// Counts an entry of the log if it is an error.
-    pub(crate) fn count_error(&mut self, severity: u8) {
-        if severity >= ERROR {
-            self.reports.alarms.errors = self.reports.alarms.errors.saturating_add(1);
-        }
-    }
-
     /// A diagnostic of this block has stopped the channel.
     #[inline(always)]
     pub(crate) fn check_stop(&self) -> Acted {
         if self.reports.alarms.stopping { Err(Halt::Alarm) } else { Ok(()) }
-    }
-
-    /// The channel stops before the next code acts.
-    pub(crate) fn stop_here(&mut self) {
-        self.reports.alarms.stopping = true;
-    }
-
-    /// Clears the stop, since Program Shutdown runs after an alarm.
-    pub(crate) fn clear_stop(&mut self) {
-        self.reports.alarms.stopping = false;
     }
 }

@@ -2,7 +2,6 @@
 //!
 //! *Invariant:* a part is plain data with methods of its own; none of them knows the kernel.
 
-use counterpoint_event::SourcePlace;
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
@@ -14,12 +13,12 @@ use crate::state::swallowed::Swallowed;
 use counterpoint_ports::Shares;
 use counterpoint_program::block::Block;
 
+use super::at::At;
 use super::burden::Burden;
-use super::cutter::Held;
-use super::pace::Pace;
+use super::emitter::Emitter;
 use super::waits::KnownWaits;
 use counterpoint_event::Letters;
-use counterpoint_event::event::{FileId, RaceWith, Unrecognised};
+use counterpoint_event::event::{Kind, RaceWith, Unrecognised};
 use counterpoint_event::info::Info;
 use counterpoint_fault as diag;
 use counterpoint_machine::Machine;
@@ -46,10 +45,8 @@ pub struct Channel<'a> {
     pub(crate) reports: Reports,
     /// Memory and work used up.
     pub(crate) burden: Burden,
-    /// The effects that compensation holds back.
-    pub(crate) held: Option<Held>,
-    /// Moves at feed whose times later ones decide; none where speeds change at once.
-    pub(crate) pace: Option<Box<Pace>>,
+    /// To the log.
+    pub(crate) emitter: Emitter<'a>,
 }
 
 /// Inputs of a run; while the kernel runs, only the component changes.
@@ -69,75 +66,6 @@ pub struct Environment<'a> {
     pub files: &'a dyn Files,
     /// Letters of the trace, `None` when there is no trace.
     pub trace: Option<Letters>,
-}
-
-/// Where a kernel is: channel, time, and the block in process.
-#[derive(Debug, Default)]
-pub struct At {
-    /// Number of the channel.
-    pub channel: u16,
-    /// Simulated time, ns.
-    pub clock: i64,
-    /// Order of shared operations at the same time.
-    pub micro: u32,
-    /// File of the block being processed.
-    pub(crate) file: FileId,
-    /// Line of the block being processed.
-    pub(crate) line: u32,
-    /// Where the user's program called the resident program of the block; none in the user's own programs.
-    pub(crate) caller: SourcePlace,
-    /// Blocks read.
-    pub(crate) blocks: u64,
-    /// Blocks of the user's programs among them.
-    pub(crate) user_blocks: u64,
-    /// Blocks among them that the control has made of a cycle; the block that calls it stands for them in events.
-    pub(crate) made_blocks: u64,
-    /// Consecutive blocks without time.
-    pub(crate) idle_blocks: u64,
-    /// The innermost place in the user's programs of the last block that took time.
-    pub(crate) timed: SourcePlace,
-}
-
-/// Where a block is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct BlockPlace {
-    pub(crate) file: FileId,
-    pub(crate) line: u32,
-    /// Where the user's program called the resident program of the block.
-    pub(crate) caller: SourcePlace,
-}
-
-impl At {
-    /// The innermost place of the block in the programs of the user.
-    pub(crate) fn user_place(&self) -> SourcePlace {
-        self.caller.or(SourcePlace::new(self.file, self.line))
-    }
-
-    /// Where the block is, to come back to it.
-    pub(crate) fn block_place(&self) -> BlockPlace {
-        BlockPlace { file: self.file, line: self.line, caller: self.caller }
-    }
-
-    /// Goes to a block.
-    #[inline(always)]
-    pub(crate) fn go_to(&mut self, place: BlockPlace) {
-        (self.file, self.line, self.caller) = (place.file, place.line, place.caller);
-    }
-
-    /// The tag of the kernel's current operation.
-    pub(crate) fn tag(&self) -> Tag {
-        Tag { t: self.clock, micro: self.micro, channel: self.channel }
-    }
-
-    /// Moves the clock on.
-    pub(crate) fn advance(&mut self, ns: i64) {
-        if ns > 0 {
-            self.clock = self.clock.saturating_add(ns);
-            self.micro = 0;
-            self.idle_blocks = 0;
-            self.timed = self.user_place();
-        }
-    }
 }
 
 /// Text of the block in process.
@@ -217,34 +145,86 @@ impl Reports {
     }
 }
 
+/// The time of the channel, and its events.
 impl Channel<'_> {
+    /// This channel's current tag, at rest.
+    pub fn tag(&mut self) -> Tag {
+        self.come_to_rest();
+        self.at.tag()
+    }
+
+    /// The time as far as it is known, ns: while moves wait for theirs, it may be later.
+    #[inline(always)]
+    pub(crate) fn now(&self) -> i64 {
+        self.at.clock + self.emitter.late()
+    }
+
     /// Advances the clock by something other than a move at feed: the path stops before it.
     pub(crate) fn advance(&mut self, ns: i64) {
         if ns > 0 {
-            self.stop_path();
+            self.emitter.stop_path();
         }
         self.at.advance(ns);
     }
 
-    /// Which of the machine's channels this is, counted from 1 in ascending order of their numbers; 0 is the master.
-    pub(crate) fn kernel_number(&self) -> u16 {
-        let channels = self.env.machine.channels.iter().zip(1_u16..);
-        channels.into_iter().find(|(channel, _)| channel.number == self.at.channel).map_or(0, |(_, at)| at)
+    /// Adds an event of this block at the clock.
+    #[inline]
+    pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
+        self.emitter.emit(&self.at, dur_ns, kind);
+    }
+
+    /// Sends the events so far. Events held back stay.
+    pub fn flush(&mut self) {
+        let upto = self.emitter.promise(&self.at);
+        self.emitter.flush(upto);
+    }
+
+    /// Lets the path stop here: all moves are timed, and the clock is right.
+    #[inline(always)]
+    pub(crate) fn come_to_rest(&mut self) {
+        if self.emitter.has_moves() {
+            self.rest_now();
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn rest_now(&mut self) {
+        let late = self.emitter.rest(&mut self.at, &mut self.state.move_times());
+        self.delay_waiting_moves(late);
+    }
+
+    /// Times the moves that can be timed, before a block; if these are all moves, sets the clock.
+    #[inline(always)]
+    pub(crate) fn keep_pace(&mut self) {
+        if self.emitter.has_moves() {
+            self.set_pace();
+        }
+    }
+
+    #[inline(never)]
+    fn set_pace(&mut self) {
+        let late = self.emitter.keep_pace(&mut self.at, &mut self.state.move_times());
+        self.delay_waiting_moves(late);
+    }
+}
+
+impl Environment<'_> {
+    /// Which of the machine's channels has this number, counted from 1 in ascending order; 0 is the master.
+    pub(crate) fn kernel_number(&self, channel: u16) -> u16 {
+        let channels = self.machine.channels.iter().zip(1_u16..);
+        channels.into_iter().find(|(one, _)| one.number == channel).map_or(0, |(_, at)| at)
     }
 
     /// The shares of the memory of the job.
     pub(crate) fn shares(&self) -> Shares {
-        Shares::of_channels(&self.env.options.limits, self.env.machine.channels.len())
+        Shares::of_channels(&self.options.limits, self.machine.channels.len())
     }
+}
 
+impl Channel<'_> {
     /// Whether a free data word of one of these registers is in the block.
     pub(crate) fn has_any(&self, registers: u128) -> bool {
         self.block.present & registers != 0
     }
-}
-
-/// Nanoseconds of a duration in seconds, rounded once; never negative, never beyond the maximum duration of a job.
-pub(crate) fn nanoseconds(seconds: f64) -> i64 {
-    const MOST: f64 = 1e18;
-    if seconds.is_nan() || seconds <= 0.0 { 0 } else { ((seconds * 1e9).min(MOST) + 0.5) as i64 }
 }

@@ -1,20 +1,19 @@
 //! The memory of compensation between moves.
 
-use crate::state::channel::BlockPlace;
+use crate::state::at::BlockPlace;
 use counterpoint_machine::index::{AxisSlot, BySlot};
 use std::sync::Arc;
 
 use counterpoint_motion::arc::Arc as MotionArc;
 
 use super::channel::Channel;
-use counterpoint_event::event::{Event, FeedUnit, Position};
+use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_motion::contour::element::{Element, Spot};
 
 use super::corner::{Asked, Corner, Open};
 use super::smooth::Smooth;
 use super::spindle::SpindleState;
 use counterpoint_program::block::ContourEnd;
-use counterpoint_sync::tag::Tag;
 
 /// Where compensation is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,13 +93,6 @@ pub(crate) struct Waiting {
     pub(crate) spindle: SpindleState,
 }
 
-/// Events that are held back until the move before them is known.
-pub(crate) struct Held {
-    pub(crate) events: Vec<Event>,
-    /// No event that comes out later is before this tag.
-    pub(crate) since: Tag,
-}
-
 /// Active compensation.
 #[derive(Debug, Clone)]
 pub(crate) struct Cutter {
@@ -164,6 +156,13 @@ impl Channel<'_> {
     /// Compensation, if it is active.
     pub(crate) fn cutter(&mut self) -> Option<&mut Cutter> {
         self.state.place.frames.as_deref_mut()?.cutter.as_deref_mut()
+    }
+
+    /// The clock is set to later by this, ns: so are the moves that compensation keeps.
+    pub(crate) fn delay_waiting_moves(&mut self, ns: i64) {
+        if let Some(cutter) = self.cutter().filter(|_| ns != 0) {
+            cutter.waiting.iter_mut().for_each(|waiting| waiting.clock += ns);
+        }
     }
 
     /// Compensation takes moves of this kernel.

@@ -6,6 +6,7 @@
 pub(crate) mod alarms;
 pub(crate) mod arc;
 pub(crate) mod area;
+pub(crate) mod at;
 pub(crate) mod beside;
 pub(crate) mod burden;
 pub mod channel;
@@ -16,6 +17,7 @@ pub(crate) mod corner;
 pub(crate) mod coupling;
 pub(crate) mod cutter;
 pub(crate) mod cycle;
+pub mod emitter;
 pub(crate) mod feed_group;
 pub(crate) mod figure;
 pub(crate) mod frames;
@@ -28,8 +30,10 @@ pub(crate) mod remembered;
 pub(crate) mod smooth;
 pub(crate) mod spindle;
 pub(crate) mod stored;
+pub(crate) mod stretch;
 pub(crate) mod swallowed;
 pub(crate) mod thread;
+pub(crate) mod times;
 pub(crate) mod tool_names;
 pub(crate) mod turning;
 pub(crate) mod units;
@@ -65,6 +69,8 @@ pub(crate) struct State {
     pub(crate) threads: Box<thread::Threads>,
     /// Data of probing moves.
     pub(crate) skip: Box<probing::Probing>,
+    /// Times of motions and of waiting.
+    pub(crate) times: Box<times::TimeRecord>,
     /// The memory of other actions.
     pub(crate) others: Box<Others>,
 }
@@ -84,8 +90,14 @@ impl State {
             arcs: arc::Arcs::default(),
             threads: Box::new(thread::Threads::new(machine)),
             skip: Box::default(),
+            times: Box::default(),
             others: Box::new(Others::new(machine, channel)),
         }
+    }
+
+    /// The record of times, for moves at feed that are timed now.
+    pub(crate) fn move_times(&mut self) -> times::MoveTimes<'_> {
+        times::MoveTimes { record: &mut self.times, command: &self.spindle.command }
     }
 
     /// Resets modal codes and remembered words.

@@ -9,17 +9,12 @@
 
 use std::collections::VecDeque;
 
-use counterpoint_event::event::{Event, MAX_AXES, Motion, MotionKind, Position};
+use counterpoint_event::event::{Event, Position};
 use counterpoint_event::info::Unit;
 use counterpoint_machine::Machine;
-use counterpoint_machine::index::AxisSlot;
-use counterpoint_machine::model::{Channel as MachineChannel, Dynamics};
+use counterpoint_machine::model::Channel as MachineChannel;
 use counterpoint_motion::lookahead::{LookAhead, Piece, corner_speed};
 use counterpoint_ports::options::{Options, TimeModel};
-use counterpoint_sync::tag::Tag;
-
-use super::channel::Channel;
-use super::position::Axis;
 
 /// Largest distance from a corner if nothing else limits the speed there, mm.
 const DEVIATION: f64 = 0.01;
@@ -28,7 +23,7 @@ const DEVIATION: f64 = 0.01;
 const WITHOUT_MOVE: usize = 2000;
 
 /// Parts of a direction below this count as none.
-const NOISE: f64 = 1e-12;
+pub(super) const NOISE: f64 = 1e-12;
 
 /// Moves at feed that are not timed yet.
 #[derive(Debug)]
@@ -184,7 +179,7 @@ impl Pace {
             event.t_ns += self.late;
         }
         let Some(own) = self.events.get_mut(count.saturating_sub(1)) else { return Some((count + during, 0)) };
-        let real = super::channel::nanoseconds(seconds).max(own.dur_ns);
+        let real = super::at::nanoseconds(seconds).max(own.dur_ns);
         let more = real - own.dur_ns;
         own.dur_ns = real;
         self.late = self.late.saturating_add(more);
@@ -223,177 +218,12 @@ impl Pace {
     pub(crate) fn brakes_at(&self) -> Option<i64> {
         let (count, _) = self.gaps.front().filter(|_| !self.stops)?;
         let own = self.events.get(count.checked_sub(1)?)?;
-        let brakes = own.t_ns + self.late + super::channel::nanoseconds(self.look.brakes_after()?);
+        let brakes = own.t_ns + self.late + super::at::nanoseconds(self.look.brakes_after()?);
         Some(brakes).filter(|brakes| *brakes > self.acted)
     }
 
     /// More than the last move is not timed.
     pub(crate) fn has_earlier(&self) -> bool {
         self.look.len() > 1
-    }
-}
-
-impl Channel<'_> {
-    /// The time as far as it is known, ns: while moves wait for theirs, it may be later.
-    #[inline(always)]
-    pub(crate) fn now(&self) -> i64 {
-        self.at.clock + self.pace.as_ref().map_or(0, |pace| pace.late)
-    }
-
-    /// No shared operation of this channel comes before.
-    #[inline(always)]
-    pub(crate) fn bound(&self) -> i64 {
-        let since = self.held.as_ref().map_or(self.at.clock, |held| held.since.t);
-        match &self.pace {
-            None => since,
-            Some(pace) => pace.first().map_or(since + pace.late, |(t, _)| t),
-        }
-    }
-
-    /// No event that is sent later is before this tag.
-    pub(crate) fn promise(&self) -> Tag {
-        let tag = self.held.as_ref().map_or_else(|| self.at.tag(), |held| held.since);
-        match self.pace.as_deref() {
-            None => tag,
-            Some(pace) => match pace.first() {
-                Some((t, micro)) => Tag { t, micro, ..tag },
-                None => Tag { t: tag.t + pace.late, ..tag },
-            },
-        }
-    }
-
-    /// Stops the path before the next event.
-    #[inline(always)]
-    pub(crate) fn stop_path(&mut self) {
-        if let Some(pace) = &mut self.pace {
-            pace.stop();
-        }
-    }
-
-    /// A move at feed as the look-ahead sees it; none for a move without a path.
-    pub(crate) fn stretch(&self, seconds: f64, motion: &Motion) -> Option<Stretch> {
-        let axes = &self.state.place.layout.axes;
-        let changes = if self.couples() {
-            self.changes(&self.machine_point(&motion.from), &self.machine_point(&motion.to))
-        } else {
-            self.changes(&motion.from, &motion.to)
-        };
-        let along = Along { channel: self, changes: &changes, seconds };
-        match motion.kind {
-            MotionKind::ArcCw | MotionKind::ArcCcw => {
-                let turn = if motion.kind == MotionKind::ArcCw { -1.0 } else { 1.0 };
-                let plane = motion.plane_axes.map(|axis| axes.id(usize::from(axis)));
-                match plane {
-                    [Some(first), Some(second)] => along.circle(motion, [first, second], turn),
-                    _ => along.line(motion.length),
-                }
-            }
-            MotionKind::ArcSpace => along.line(motion.length),
-            _ => along.line(0.0),
-        }
-    }
-}
-
-/// A move that becomes a piece.
-struct Along<'a> {
-    channel: &'a Channel<'a>,
-    changes: &'a Position,
-    seconds: f64,
-}
-
-/// The limits along a direction.
-struct Limits {
-    speed: f64,
-    acceleration: f64,
-    jerk: f64,
-}
-
-impl Limits {
-    fn none() -> Self {
-        Self { speed: f64::INFINITY, acceleration: f64::INFINITY, jerk: f64::INFINITY }
-    }
-
-    /// Adds an axis with its part of the path.
-    fn axis(&mut self, axis: &Axis, part: f64) {
-        let part = part.abs();
-        if part > NOISE {
-            let Dynamics { acceleration, jerk, .. } = axis.dynamics;
-            self.speed = self.speed.min(axis.rapid / part);
-            self.acceleration = self.acceleration.min(acceleration.map_or(f64::INFINITY, |a| a / part));
-            self.jerk = self.jerk.min(jerk.map_or(f64::INFINITY, |j| j / part));
-        }
-    }
-
-    fn piece(&self, length: f64, speed: f64) -> Piece {
-        let speed = speed.min(self.speed);
-        Piece { length, speed, acceleration: self.acceleration, jerk: self.jerk, corner: f64::INFINITY }
-    }
-}
-
-impl Along<'_> {
-    /// A straight path, or one whose directions are not known, of this length at least.
-    fn line(&self, length: f64) -> Option<Stretch> {
-        let chord = self.changes.iter().map(|change| change * change).sum::<f64>().sqrt();
-        let length = chord.max(length);
-        if !(length > NOISE && chord > NOISE && self.seconds > 0.0 && self.seconds.is_finite()) {
-            return None;
-        }
-        let mut direction = *self.changes;
-        direction.iter_mut().for_each(|part| *part /= chord);
-        let mut limits = Limits::none();
-        for (axis, part) in self.channel.state.place.layout.axes.iter().zip(direction) {
-            limits.axis(axis, part);
-        }
-        Some(Stretch { piece: limits.piece(length, length / self.seconds), start: direction, end: direction })
-    }
-
-    /// A circle in a plane, perhaps with a rise.
-    fn circle(&self, motion: &Motion, plane: [AxisSlot; 2], turn: f64) -> Option<Stretch> {
-        use counterpoint_machine::index::BySlot as _;
-        let axes = &self.channel.state.place.layout.axes;
-        let length = motion.length;
-        if !(length > NOISE && self.seconds > 0.0 && self.seconds.is_finite()) {
-            return None;
-        }
-        let scale = plane.map(|axis| axes[axis].scale);
-        let spoke = |point: &Position| {
-            let [x, y] = [0, 1].map(|at| {
-                let (axis, center) = (plane.get(at), motion.center.get(at).copied().unwrap_or(0.0));
-                axis.map_or(0.0, |axis| point.at(*axis) - center) * scale.get(at).copied().unwrap_or(1.0)
-            });
-            [x, y]
-        };
-        let [x, y] = spoke(&motion.from);
-        let radius = x.hypot(y);
-        let mut rise = *self.changes;
-        plane.iter().for_each(|axis| *rise.at_mut(*axis) = 0.0);
-        let up = rise.iter().map(|part| part * part).sum::<f64>();
-        let flat = (length * length - up).max(0.0).sqrt();
-        if radius <= NOISE || flat <= NOISE {
-            return self.line(length);
-        }
-        let direction = |point: &Position| {
-            let [x, y] = spoke(point);
-            let radius = x.hypot(y).max(NOISE);
-            let mut out = [0.0; MAX_AXES];
-            for (axis, slot) in out.iter_mut().enumerate() {
-                *slot = rise.get(axis).copied().unwrap_or(0.0) / length;
-            }
-            *out.at_mut(plane[0]) = -turn * y / radius * flat / length;
-            *out.at_mut(plane[1]) = turn * x / radius * flat / length;
-            out
-        };
-        let mut limits = Limits::none();
-        for (axis, part) in axes.iter().zip(&rise) {
-            limits.axis(axis, part / length);
-        }
-        for axis in plane {
-            limits.axis(&axes[axis], flat / length);
-        }
-        // Round the circle the axes must bear its centripetal acceleration.
-        let inward = plane.iter().filter_map(|axis| axes[*axis].dynamics.acceleration).fold(f64::INFINITY, f64::min);
-        let round = (inward * radius).sqrt() * length / flat;
-        let piece = limits.piece(length, round.min(length / self.seconds));
-        Some(Stretch { piece, start: direction(&motion.from), end: direction(&motion.to) })
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! *Invariant:* a spindle that several channels command has no state of its own here but a copy.
 
-use super::channel::{Channel, nanoseconds};
+use super::at::nanoseconds;
+use super::channel::Channel;
 use super::modal::group;
 use counterpoint_motion::driven_speed::DrivenSpeed;
 use counterpoint_motion::surface_speed::Speed;

@@ -39,7 +39,7 @@ impl Kernel<'_> {
     fn trace_wanted(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
         if traces(&self.channel, letter) {
             let text = shortened(&line(self)).to_owned();
-            self.emit(0, Kind::trace(letter, text));
+            self.channel.emit(0, Kind::trace(letter, text));
         }
     }
 
@@ -47,7 +47,7 @@ impl Kernel<'_> {
     pub(crate) fn trace_instead(&mut self, text: &str) {
         if traces(&self.channel, ACTION) {
             let text = shortened(&action(text)).into();
-            self.emit(0, Kind::Trace(Trace { letter: ACTION, text, listing: None, instead: true }));
+            self.channel.emit(0, Kind::Trace(Trace { letter: ACTION, text, listing: None, instead: true }));
         }
     }
 
@@ -72,7 +72,11 @@ impl Kernel<'_> {
     fn trace_head_sequence(&mut self) {
         let Some(register) = self.own_sequence() else { return };
         let word = self.channel.block.words.iter().find(|word| word.register == register).map(|word| word.value);
-        let id = if self.channel.kernel_number() <= 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
+        let id = if self.channel.env.kernel_number(self.channel.at.channel) <= 1 {
+            ident::data::SEQNO_MAIN
+        } else {
+            ident::data::SEQNO_SIDE
+        };
         if let Some(value) = word {
             self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
         }

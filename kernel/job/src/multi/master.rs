@@ -9,9 +9,9 @@ use counterpoint_lang::value::Value;
 use super::Assembly;
 use super::again::{self, Again, At};
 use super::coordinator::switch::Switch;
-use counterpoint_emulator::channel::emit::Target;
-use counterpoint_emulator::macros::runtime::Runtime;
+use counterpoint_emulator::channel::carried::MasterMemory;
 use counterpoint_emulator::macros::store::names;
+use counterpoint_emulator::state::emitter::Target;
 use counterpoint_event::event::{Event, FileId};
 use counterpoint_fault as diag;
 use counterpoint_machine::index::Table;
@@ -26,7 +26,7 @@ pub(super) type KernelInput = (String, String, f64);
 /// Work that the master has left for later.
 pub(super) struct Master {
     channel: Channel,
-    runtime: Option<Box<Runtime>>,
+    memory: Option<MasterMemory>,
     /// Programs that Machine Startup gave to kernels instead of their own; none to start none.
     pub(super) programs: Vec<(u16, Option<At>)>,
     /// The channels may start.
@@ -130,14 +130,11 @@ impl<'a> Assembly<'a> {
         let given = (1..).take(machine.channels.len()).map(|at| (program(at), name(at), kernel.model_channel(at)));
         // The master starts once, so nothing is there yet.
         let _ = self.given.set(given.collect());
-        let tag = kernel.tag();
-        kernel.ports.emitter.flush(tag);
-        let runtime = Some(std::mem::take(&mut kernel.macros));
-        drop(kernel);
+        let memory = Some(kernel.into_master());
         kept.iter().for_each(|event| {
             log(event);
         });
-        Some(Master { channel, runtime, programs, good })
+        Some(Master { channel, memory, programs, good })
     }
 
     /// Runs Machine Shutdown at the end of the log; how the machine continues, if it does. `wrong` tells why it cannot.
@@ -148,14 +145,10 @@ impl<'a> Assembly<'a> {
         (t, micro): (i64, u32),
         log: &mut dyn FnMut(&Event) -> bool,
     ) -> Option<Again> {
-        let Master { channel, runtime: kept_runtime, .. } = master.as_mut()?;
-        let mut runtime = kept_runtime.take()?;
-        runtime.course.closing = true;
-        runtime.issued.later.clear();
+        let Master { channel, memory, .. } = master.as_mut()?;
         let mut kept = Vec::new();
         let mut kernel = self.kernel(channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
-        (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
-        kernel.macros = runtime;
+        kernel.take_over_master(memory.take()?, (t, micro));
         let done = kernel.plain_macro(Hook::MachineShutdown);
         if let Err(halt) = done {
             kernel.report_softened(halt);
@@ -164,10 +157,7 @@ impl<'a> Assembly<'a> {
         let restart = kernel.macros.course.restart.take();
         let restart = restart.filter(|_| !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked)));
         let again = restart.and_then(|restart| again::restarted(&mut kernel, restart, wrong));
-        let tag = kernel.tag();
-        kernel.ports.emitter.flush(tag);
-        *kept_runtime = Some(std::mem::take(&mut kernel.macros));
-        drop(kernel);
+        *memory = Some(kernel.into_master());
         // Time that the macro may have let pass does not take the log beyond its end.
         kept.iter_mut().for_each(|event| {
             event.dur_ns = 0;

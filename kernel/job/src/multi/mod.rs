@@ -26,10 +26,10 @@ use crate::step::Director;
 use counterpoint_emulator::channel::Kernel;
 use counterpoint_emulator::channel::carried::{Carried, Lived};
 use counterpoint_emulator::channel::components::Component;
-use counterpoint_emulator::channel::emit::{Emitter, Target};
 use counterpoint_emulator::channel::parts::{Ports, Setup};
 use counterpoint_emulator::channel::plan::Plan;
 use counterpoint_emulator::state::channel::Environment;
+use counterpoint_emulator::state::emitter::{Emitter, Target};
 use counterpoint_event::Outcome;
 use counterpoint_event::event::{Event, Kind, Phase, SourcePlace};
 use counterpoint_machine::model::Channel;
@@ -358,8 +358,8 @@ impl<'a> Assembly<'a> {
         };
         let emitter = Emitter::new(channel.number, coordinator, target);
         let stepper = director.map(|director| director as &dyn Stepper);
-        let ports = Ports { coordinator, control, progress, emitter, stepper };
-        let mut kernel = Kernel::new(Setup { env, ports, plan, components }, channel).with_macros(macros);
+        let ports = Ports { coordinator, control, progress, stepper };
+        let mut kernel = Kernel::new(Setup { env, emitter, ports, plan, components }, channel).with_macros(macros);
         for ((program, name, channel), at) in given.get().into_iter().flatten().zip(1..) {
             kernel.set_program_of(at, program, name, *channel);
         }

@@ -4,30 +4,10 @@
 //! the move has been made, all events held back are shifted by its time.
 
 use crate::act::Act;
-use crate::state::cutter::{Held, Waiting};
+use crate::state::cutter::Waiting;
 use counterpoint_event::event::Event;
 
 impl Act<'_, '_> {
-    /// Holds events back from here on.
-    pub(super) fn buffer_events(&mut self) {
-        if self.channel().held.is_none() {
-            self.channel_mut().held = Some(Held { events: Vec::new(), since: self.channel().at.tag() });
-            self.hold_back();
-        }
-    }
-
-    /// Events held back so far.
-    pub(super) fn buffered_events(&self) -> usize {
-        self.channel().held.as_ref().map_or(0, |held| held.events.len())
-    }
-
-    /// Ends holding events back; the caller puts them where they belong.
-    pub(super) fn release_events(&mut self) -> Vec<Event> {
-        let events = self.channel_mut().held.take().map(|held| held.events).unwrap_or_default();
-        self.hold_back();
-        events
-    }
-
     /// Releases held events up to (not including) the event with this number; they come `late` ns later.
     pub(super) fn put_back_events(&mut self, events: &mut std::vec::IntoIter<Event>, count: usize, late: i64) {
         for mut event in events.by_ref().take(count) {
@@ -35,7 +15,7 @@ impl Act<'_, '_> {
             if late > 0 {
                 event.micro = 0;
             }
-            self.push_event(event);
+            self.channel_mut().emitter.push(event);
         }
     }
 

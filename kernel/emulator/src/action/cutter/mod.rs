@@ -423,7 +423,7 @@ impl Act<'_, '_> {
         }
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
             // Blocks programmed before the alarm are executed.
-            self.channel_mut().clear_stop();
+            self.channel_mut().reports.alarms.stopping = false;
             if halt == Halt::Alarm {
                 self.forget_corners();
             }
@@ -431,7 +431,7 @@ impl Act<'_, '_> {
             self.channel_mut().forget_cutter();
             return settled.err().unwrap_or(halt);
         }
-        let mut events = self.release_events().into_iter();
+        let mut events = self.channel_mut().emitter.release().into_iter();
         self.put_back_events(&mut events, usize::MAX, 0);
         self.channel_mut().forget_cutter();
         halt
@@ -462,9 +462,10 @@ impl Act<'_, '_> {
         let smooth = self.channel_mut().cutter().and_then(|cutter| cutter.smooth.take());
         let first = element.is_some() || open.is_some() || smooth.is_some();
         if first {
-            self.buffer_events();
+            let since = self.channel().at.tag();
+            self.channel_mut().emitter.hold(since);
         }
-        let (events, spindle) = (self.buffered_events(), self.channel().state.spindle);
+        let (events, spindle) = (self.channel().emitter.buffered(), self.channel().state.spindle);
         let Some(cutter) = self.channel_mut().cutter() else { return };
         cutter.contour = step.to;
         if first {

@@ -174,7 +174,7 @@ impl Act<'_, '_> {
         let now = (self.channel().at.clock, self.channel().at.micro, self.channel().block.flags.exact_stop);
         let place = self.channel().at.block_place();
         let (edited, spindle) = (self.channel().text.edited.clone(), self.channel().state.spindle);
-        let mut events = self.release_events().into_iter();
+        let mut events = self.channel_mut().emitter.release().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
         let (mut result, mut missing) = (Ok(()), None);
         for (at, waits) in waiting.iter().enumerate() {

@@ -132,7 +132,7 @@ pub(super) fn meets_motion(act: &mut Act<'_, '_>) -> Acted {
         end(act);
         let off = act.channel().state.cycle.off;
         act.channel_mut().state.modal.activate(group::CYCLE, codes::CYCLE_OFF, off);
-        act.emit(0, EventKind::mode("cycle off"));
+        act.channel_mut().emit(0, EventKind::mode("cycle off"));
     }
     Ok(())
 }

@@ -31,7 +31,7 @@ impl Coordination for Kernel<'_> {
             Ok(Statement::Start(channels)) => self.start(channels),
             Ok(Statement::Meaning(Meaning::Act(deed, shown))) => self.let_continue(deed, shown),
             Ok(Statement::Meaning(Meaning::Wait(_))) if ignores_waits => {
-                self.emit(0, Kind::mode("sync passed without waiting"));
+                self.channel.emit(0, Kind::mode("sync passed without waiting"));
                 Ok(())
             }
             Ok(Statement::Meaning(Meaning::Wait(wait))) => self.wait(wait),
@@ -81,7 +81,7 @@ impl Coordination for Kernel<'_> {
             Err(reason) => return Err(wrong_signal(self, &reason)),
         };
         if waits && self.channel.env.options.ignore_waits.contains(&channel) {
-            self.emit(0, Kind::mode("sync passed without waiting"));
+            self.channel.emit(0, Kind::mode("sync passed without waiting"));
             let letters = self.read_signal(wait)?.unwrap_or_default();
             return Ok(Some(values(&letters)));
         }

@@ -18,7 +18,7 @@ impl Report for Kernel<'_> {
     }
 
     fn log_message(&mut self, text: &str) {
-        self.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
+        self.channel.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
     }
 
     fn handles_messages(&self, text: &[u8]) -> bool {

@@ -19,7 +19,7 @@ impl Values for Kernel<'_> {
     }
 
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
-        let limit = self.channel.shares().common;
+        let limit = self.channel.env.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
         let over = self.access(Door::Named(name), Mode::Write, |shared| match value {
             Some(value) => {

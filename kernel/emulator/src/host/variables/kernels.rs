@@ -125,7 +125,7 @@ impl Kernel<'_> {
 
     /// `$MCENAM` of this kernel where macros have changed it, for diagnostics; otherwise blank.
     pub(crate) fn kernel_name(&self) -> String {
-        let at = (i64::from(self.channel.kernel_number()), 0);
+        let at = (i64::from(self.channel.env.kernel_number(self.channel.at.channel)), 0);
         let set = self.macros.variables.store.element(names().kernel_name, at);
         let set = set.and_then(Value::as_text).unwrap_or("").trim();
         let own =
@@ -161,7 +161,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                     if k.channel.at.channel == 0 {
                         number(0)
                     } else {
-                        Value::Real(channel_of(k, k.channel.kernel_number().into()))
+                        Value::Real(channel_of(k, k.channel.env.kernel_number(k.channel.at.channel).into()))
                     }
                 })
             },

@@ -91,35 +91,20 @@ fn set_feed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     Ok(())
 }
 
-fn time<const AT: usize>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    number(kernel.macros.variables.store.times.get(AT).copied().unwrap_or(0.0))
+fn time<const RAPID: bool>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    number(kernel.channel.state.times.motion(RAPID))
 }
 
-fn set_time<const AT: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
-    let slot = kernel.macros.variables.store.times.get_mut(AT);
-    if let Some(slot) = slot {
-        *slot = value.as_real().unwrap_or(0.0);
-    }
+fn set_time<const RAPID: bool>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    kernel.channel.state.times.set_motion(RAPID, value.as_real().unwrap_or(0.0));
     Ok(())
 }
 
-/// `$MISTIM`: all that was neither motion nor waiting.
-fn misc(kernel: &Kernel<'_>) -> f64 {
-    {
-        let store = &kernel.macros.variables.store;
-        (kernel.channel.now() - store.moving - store.idle) as f64 / 1e9 + store.added_times[0]
-    }
-}
-
-fn idle(kernel: &Kernel<'_>) -> f64 {
-    kernel.macros.variables.store.idle as f64 / 1e9 + kernel.macros.variables.store.added_times[1]
-}
-
-fn add_time<const AT: usize>(kernel: &mut Kernel<'_>, seconds: f64) -> Outcome<()> {
-    if let Some(time) = kernel.macros.variables.store.added_times.get_mut(AT) {
-        *time += seconds;
-    }
-    Ok(())
+/// `$TLSUM` or `$OPSUM`.
+fn sum<const OF_TOOLS: bool>(kernel: &Kernel<'_>, at: &[i64]) -> Value {
+    let (column, row) = (at.first().copied().unwrap_or(0), at.get(1).copied().unwrap_or(0));
+    let row = if OF_TOOLS { kernel.macros.tools.kept_row(row) } else { row };
+    Value::Real(kernel.channel.state.times.sum_value(OF_TOOLS, kernel.channel.now(), (column, row)))
 }
 
 /// State of a rule of the tape editor, counted from 1.
@@ -226,20 +211,21 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 Ok(())
             }),
         ),
-        "$FEDTIM" => (time::<0>, Some(set_time::<0>)),
-        "$RAPTIM" => (time::<1>, Some(set_time::<1>)),
+        "$FEDTIM" => (time::<false>, Some(set_time::<false>)),
+        "$RAPTIM" => (time::<true>, Some(set_time::<true>)),
         "$MISTIM" => (
-            |k, _| Value::Real(misc(k)),
+            |k, _| Value::Real(k.channel.state.times.other(k.channel.now())),
             Some(|k, _, value| {
-                let wanted = value.as_real().unwrap_or(0.0) - misc(k);
-                add_time::<0>(k, wanted)
+                let clock = k.channel.now();
+                k.channel.state.times.set_other(clock, value.as_real().unwrap_or(0.0));
+                Ok(())
             }),
         ),
         "$IDLTIM" => (
-            |k, _| Value::Real(idle(k)),
+            |k, _| Value::Real(k.channel.state.times.waiting()),
             Some(|k, _, value| {
-                let wanted = value.as_real().unwrap_or(0.0) - idle(k);
-                add_time::<1>(k, wanted)
+                k.channel.state.times.set_waiting(value.as_real().unwrap_or(0.0));
+                Ok(())
             }),
         ),
         "$EDTMAX" => (|k, _| number(k.channel.env.machine.tape_editor.len() as u32), None),
@@ -260,7 +246,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             Some(|k, _, value| {
                 let name = value.as_text().unwrap_or("").to_owned();
                 let Runtime { books, variables, .. } = &mut *k.macros;
-                books.name_operation(&k.channel, &variables.store, &name);
+                books.name_operation(&mut k.channel, &variables.store, &name);
                 k.store(names().operation_name, || Value::text(name));
                 Ok(())
             }),
@@ -301,8 +287,8 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 Ok(())
             }),
         ),
-        "$TLSUM" => (|k, at| k.macros.books.sum_value(&k.macros.tools, true, k.channel.now(), at), None),
-        "$OPSUM" => (|k, at| k.macros.books.sum_value(&k.macros.tools, false, k.channel.now(), at), None),
+        "$TLSUM" => (sum::<true>, None),
+        "$OPSUM" => (sum::<false>, None),
         "$VMTIME" => (|k, _| Value::Real(k.channel.now() as f64 / 1e9), None),
         _ => return None,
     };

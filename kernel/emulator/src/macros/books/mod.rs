@@ -1,25 +1,19 @@
-//! Records of a kernel for the tables that macros read: operations, times, travel.
+//! Records of a kernel for the tables that macros read: operations, travel.
 //!
 //! *Invariant:* the records change only by the methods of [`Books`].
 
 pub(crate) mod operations;
-mod sums;
 pub(crate) mod travel;
 
 use counterpoint_event::event::MAX_AXES;
 use operations::Operations;
-use sums::Sums;
 use travel::Travel;
 
-/// Operations, times and travel of a program.
+/// Operations and travel of a program.
 #[derive(Debug, Default)]
 pub(crate) struct Books {
     /// Operations of the program.
     operations: Operations,
-    /// `$TLSUM`
-    tool_sums: Sums,
-    /// `$OPSUM`
-    operation_sums: Sums,
     /// `$TLMIN`, `$TLMAX`
     tool_travel: Travel,
     /// `$OPMIN`, `$OPMAX`
@@ -34,11 +28,6 @@ impl Books {
     /// Records the sequence number of a block.
     pub(crate) fn note_sequence(&mut self, number: u32) {
         self.last_sequence = number;
-    }
-
-    /// Switches the sums to the row of the tool that is loaded at this clock, ns.
-    pub(crate) fn switch_tool(&mut self, row: usize, clock: i64) {
-        self.tool_sums.switch(row, clock);
     }
 
     /// Removes all operations, because the program starts again.

@@ -92,7 +92,7 @@ fn active_diameter(channel: &Channel<'_>) -> u32 {
 
 impl Books {
     /// Begins an operation after a tool change.
-    pub(crate) fn begin_with_tool(&mut self, channel: &Channel<'_>, store: &Store) {
+    pub(crate) fn begin_with_tool(&mut self, channel: &mut Channel<'_>, store: &Store) {
         (self.operations.assigned, self.operations.first) = (0, 0);
         let name = std::mem::take(&mut self.operations.name);
         self.begin(channel, store, name);
@@ -120,7 +120,7 @@ impl Books {
     }
 
     /// `$OPNAME` is assigned.
-    pub(crate) fn name_operation(&mut self, channel: &Channel<'_>, store: &Store, name: &str) {
+    pub(crate) fn name_operation(&mut self, channel: &mut Channel<'_>, store: &Store, name: &str) {
         let name: String = name.chars().take(LONGEST_NAME).collect();
         let merge = store.get(names().operation_merge).as_logical() == Some(true);
         self.operations.assigned += 1;
@@ -134,7 +134,7 @@ impl Books {
         }
     }
 
-    fn begin(&mut self, channel: &Channel<'_>, store: &Store, name: String) {
+    fn begin(&mut self, channel: &mut Channel<'_>, store: &Store, name: String) {
         let (clock, sequence, last) = (channel.now(), channel.block.sequence, self.last_sequence);
         let now = clock as f64 / 1e9;
         let head = match channel.state.modal.code(group::HEAD) {
@@ -154,7 +154,7 @@ impl Books {
         let (tool, number) = (store.get(names().tool_row).clone(), sequence.unwrap_or(last));
         let (times, blocks, offsets) = ((now, None), (number, number), [const { Vec::new() }; 3]);
         operations.rows.push(Operation { tool, name, times, blocks, severity: 0, head, offsets });
-        self.operation_sums.switch(operations.row(), clock);
+        channel.state.times.switch_operation(operations.row(), clock);
         if operations.first == 0 {
             operations.first = operations.row();
         }

@@ -141,7 +141,7 @@ impl Books {
         let is_straight = matches!(motion.kind, MotionKind::Rapid | MotionKind::Linear);
         let round = if is_straight { None } else { Round::of(motion, axes()).map(|round| (round, axes())) };
         let preset = channel.state.place.preset;
-        let rows = [self.tool_sums.row_number(), self.operation_sums.row_number()];
+        let rows = channel.state.times.rows();
         let ends = motion.from.iter().zip(&motion.to).zip(&preset).zip(&self.columns);
         for (axis, (((from, to), preset), column)) in ends.enumerate() {
             let (mut low, mut high) = (from.min(*to), from.max(*to));

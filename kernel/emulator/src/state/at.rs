@@ -1,0 +1,82 @@
+//! Where a kernel is: channel, time, and the place of its block.
+//!
+//! *Invariant:* the clock never goes back.
+
+use counterpoint_event::SourcePlace;
+use counterpoint_event::event::FileId;
+use counterpoint_sync::tag::Tag;
+
+/// Where a kernel is: channel, time, and the block in process.
+#[derive(Debug, Default)]
+pub struct At {
+    /// Number of the channel.
+    pub channel: u16,
+    /// Simulated time, ns.
+    pub clock: i64,
+    /// Order of shared operations at the same time.
+    pub micro: u32,
+    /// File of the block being processed.
+    pub(crate) file: FileId,
+    /// Line of the block being processed.
+    pub(crate) line: u32,
+    /// Where the user's program called the resident program of the block; none in the user's own programs.
+    pub(crate) caller: SourcePlace,
+    /// Blocks read.
+    pub(crate) blocks: u64,
+    /// Blocks of the user's programs among them.
+    pub(crate) user_blocks: u64,
+    /// Blocks among them that the control has made of a cycle; the block that calls it stands for them in events.
+    pub(crate) made_blocks: u64,
+    /// Consecutive blocks without time.
+    pub(crate) idle_blocks: u64,
+    /// The innermost place in the user's programs of the last block that took time.
+    pub(crate) timed: SourcePlace,
+}
+
+/// Where a block is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct BlockPlace {
+    pub(crate) file: FileId,
+    pub(crate) line: u32,
+    /// Where the user's program called the resident program of the block.
+    pub(crate) caller: SourcePlace,
+}
+
+impl At {
+    /// The innermost place of the block in the programs of the user.
+    pub(crate) fn user_place(&self) -> SourcePlace {
+        self.caller.or(SourcePlace::new(self.file, self.line))
+    }
+
+    /// Where the block is, to come back to it.
+    pub(crate) fn block_place(&self) -> BlockPlace {
+        BlockPlace { file: self.file, line: self.line, caller: self.caller }
+    }
+
+    /// Goes to a block.
+    #[inline(always)]
+    pub(crate) fn go_to(&mut self, place: BlockPlace) {
+        (self.file, self.line, self.caller) = (place.file, place.line, place.caller);
+    }
+
+    /// The tag of the kernel's current operation.
+    pub(crate) fn tag(&self) -> Tag {
+        Tag { t: self.clock, micro: self.micro, channel: self.channel }
+    }
+
+    /// Moves the clock on.
+    pub(crate) fn advance(&mut self, ns: i64) {
+        if ns > 0 {
+            self.clock = self.clock.saturating_add(ns);
+            self.micro = 0;
+            self.idle_blocks = 0;
+            self.timed = self.user_place();
+        }
+    }
+}
+
+/// Nanoseconds of a duration in seconds, rounded once; never negative, never beyond the maximum duration of a job.
+pub(crate) fn nanoseconds(seconds: f64) -> i64 {
+    const MOST: f64 = 1e18;
+    if seconds.is_nan() || seconds <= 0.0 { 0 } else { ((seconds * 1e9).min(MOST) + 0.5) as i64 }
+}

@@ -1,0 +1,238 @@
+//! The event stream of one kernel, with the events that compensation and moves without a time hold back.
+//!
+//! *Invariant:* events leave in the order of the kernel's clock; every chunk promises a tag that no later event of
+//! this stream is before.
+
+mod moves;
+
+use counterpoint_event::event::{Event, Kind};
+use counterpoint_sync::backlog::blank;
+use counterpoint_sync::coordinator::switch::Port;
+use counterpoint_sync::merge::TEXTS;
+use counterpoint_sync::stream::{NEAR_CHUNK, Stream};
+use counterpoint_sync::tag::Tag;
+
+use super::at::At;
+use super::pace::Pace;
+
+/// Where chunks go.
+pub enum Target<'a> {
+    /// To the results of the channel and to the log.
+    Stream(Stream<'a>),
+    /// Kept as they are: the master's, before the channels start and after they have ended.
+    Kept(&'a mut Vec<Event>),
+}
+
+/// Events that are held back until the move before them is known.
+struct Held {
+    events: Vec<Event>,
+    /// No event that comes out later is before this tag.
+    since: Tag,
+}
+
+/// Collects events into chunks and sends them.
+pub struct Emitter<'a> {
+    channel: u16,
+    coordinator: Port<'a>,
+    target: Target<'a>,
+    /// Always [`size`](Self::size) events long; those from `count` on are left over from before.
+    chunk: Vec<Event>,
+    size: usize,
+    count: usize,
+    /// Events that have room: `size`, or none while events are held back.
+    room: usize,
+    /// Bytes of texts in the chunk.
+    texts: usize,
+    /// Events sent.
+    gone: u64,
+    /// Events that the kernel holds back.
+    held: u64,
+    /// The effects that compensation holds back.
+    buffer: Option<Held>,
+    /// Moves at feed whose times later ones decide; none where speeds change at once.
+    pace: Option<Box<Pace>>,
+}
+
+impl<'a> Emitter<'a> {
+    /// A stream of a channel that begins.
+    pub fn new(channel: u16, coordinator: Port<'a>, target: Target<'a>) -> Self {
+        let size = match &target {
+            Target::Stream(stream) => stream.chunk_size(coordinator),
+            Target::Kept(_) => NEAR_CHUNK,
+        };
+        let mut chunk = Vec::new();
+        chunk.resize_with(size, blank);
+        let (count, room, texts, gone, held, buffer, pace) = (0, size, 0, 0, 0, None, None);
+        Self { channel, coordinator, target, chunk, size, count, room, texts, gone, held, buffer, pace }
+    }
+
+    /// With moves at feed whose times later ones decide.
+    pub(crate) fn paced(self, pace: Option<Box<Pace>>) -> Self {
+        Self { pace, ..self }
+    }
+
+    /// Adds an event of this block at the clock.
+    #[inline]
+    pub(crate) fn emit(&mut self, at: &At, dur_ns: i64, kind: Kind) {
+        let bytes = kind.text_bytes();
+        self.emit_as(at, dur_ns, |slot| *slot = kind);
+        self.carries(at, bytes);
+    }
+
+    /// Adds an event whose kind is written where it stays.
+    #[inline(always)]
+    pub(crate) fn emit_as(&mut self, at: &At, dur_ns: i64, write: impl FnOnce(&mut Kind)) {
+        let At { channel, clock, micro, file, line, caller, .. } = *at;
+        let slot = match self.slot() {
+            Some(event) => Some(event),
+            None => self.other_slot(Tag { t: clock, micro, channel }),
+        };
+        if let Some(event) = slot {
+            (event.t_ns, event.micro, event.dur_ns) = (clock, micro, dur_ns);
+            (event.channel, event.file, event.line, event.caller) = (channel, file, line, caller);
+            write(&mut event.kind);
+        }
+    }
+
+    /// Adds a complete event.
+    pub(crate) fn push(&mut self, event: Event) {
+        let slot = match self.slot() {
+            Some(slot) => Some(slot),
+            None => self.other_slot(Tag { t: event.t_ns, micro: event.micro, channel: self.channel }),
+        };
+        if let Some(slot) = slot {
+            *slot = event;
+        }
+    }
+
+    /// The place of an event at this tag where the chunk has none: among the events held back, or in the next chunk.
+    #[cold]
+    #[inline(never)]
+    fn other_slot(&mut self, tag: Tag) -> Option<&mut Event> {
+        if self.buffer.is_none() && self.has_moves() {
+            return self.slot_after_moves();
+        }
+        if self.buffer.is_none() {
+            self.flush(tag);
+            return self.slot();
+        }
+        self.held += 1;
+        self.room = 0;
+        let buffer = self.buffer.as_mut()?;
+        buffer.events.push(blank());
+        buffer.events.last_mut()
+    }
+
+    /// Holds events back from this tag on, until the move before them is known.
+    pub(crate) fn hold(&mut self, since: Tag) {
+        if self.buffer.is_none() {
+            self.buffer = Some(Held { events: Vec::new(), since });
+            self.hold_back();
+        }
+    }
+
+    /// Events that wait for the move before them.
+    pub(crate) fn buffered(&self) -> usize {
+        self.buffer.as_ref().map_or(0, |buffer| buffer.events.len())
+    }
+
+    /// Ends holding events back; the caller puts them where they belong.
+    pub(crate) fn release(&mut self) -> Vec<Event> {
+        let events = self.buffer.take().map(|buffer| buffer.events).unwrap_or_default();
+        self.hold_back();
+        events
+    }
+
+    /// Tag from which on events wait for the move before them.
+    pub(crate) fn held_since(&self) -> Option<Tag> {
+        self.buffer.as_ref().map(|buffer| buffer.since)
+    }
+
+    /// No shared operation of this channel comes before.
+    #[inline(always)]
+    pub(crate) fn bound(&self, at: &At) -> i64 {
+        let since = self.buffer.as_ref().map_or(at.clock, |buffer| buffer.since.t);
+        match &self.pace {
+            None => since,
+            Some(pace) => pace.first().map_or(since + pace.late, |(t, _)| t),
+        }
+    }
+
+    /// No event that is sent later is before this tag.
+    pub(crate) fn promise(&self, at: &At) -> Tag {
+        let tag = self.held_since().unwrap_or_else(|| at.tag());
+        match self.pace.as_deref() {
+            None => tag,
+            Some(pace) => match pace.first() {
+                Some((t, micro)) => Tag { t, micro, ..tag },
+                None => Tag { t: tag.t + pace.late, ..tag },
+            },
+        }
+    }
+
+    /// Events so far.
+    pub(crate) fn count(&self) -> u64 {
+        self.gone + self.held + self.count as u64
+    }
+
+    /// Counts on from the events of an earlier life.
+    pub(crate) fn count_from(&mut self, events: u64) {
+        self.gone = events;
+    }
+
+    /// The place of the next event, to be written field by field; `None`: the chunk takes no event.
+    #[inline(always)]
+    fn slot(&mut self) -> Option<&mut Event> {
+        if self.count >= self.room {
+            return None;
+        }
+        let slot = self.chunk.get_mut(self.count)?;
+        self.count += 1;
+        Some(slot)
+    }
+
+    /// The last event carries a text; sends the events when the chunk has enough of them.
+    #[inline]
+    pub(crate) fn carries(&mut self, at: &At, bytes: usize) {
+        self.texts += bytes;
+        if bytes > 0 && self.texts > TEXTS {
+            self.flush(self.promise(at));
+        }
+    }
+
+    /// Takes no event while so many are held back, which count as well; takes events again with `None`.
+    fn holds_back(&mut self, held: Option<usize>) {
+        (self.room, self.held) = held.map_or((self.size, 0), |held| (0, held as u64));
+    }
+
+    /// Does a little of the deferred work; `false` when there is none. `look`: the other kernels may have advanced so
+    /// far that there is more.
+    pub(crate) fn work(&mut self, look: bool) -> bool {
+        match &mut self.target {
+            Target::Stream(stream) => stream.work(look, (self.channel, self.coordinator)),
+            Target::Kept(_) => false,
+        }
+    }
+
+    /// No other kernel does anything before this time.
+    pub(crate) fn all_reached(&mut self, t: i64) {
+        if let Target::Stream(stream) = &mut self.target {
+            stream.all_reached(t);
+        }
+    }
+
+    /// Sends the events so far. `upto`: no later event is before this tag.
+    #[inline(never)]
+    pub fn flush(&mut self, upto: Tag) {
+        let (count, texts) = (std::mem::take(&mut self.count), std::mem::take(&mut self.texts));
+        self.gone += count as u64;
+        match &mut self.target {
+            Target::Stream(stream) => stream.send(&mut self.chunk, (count, texts), upto, self.coordinator),
+            Target::Kept(kept) => {
+                self.chunk.truncate(count);
+                kept.append(&mut self.chunk);
+            }
+        }
+        self.chunk.resize_with(self.size, blank);
+    }
+}

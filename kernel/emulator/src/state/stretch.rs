@@ -1,0 +1,168 @@
+//! A move at feed as the look-ahead sees it: its directions, and the limits of the axes along it.
+
+use counterpoint_event::event::{MAX_AXES, Motion, MotionKind, Position};
+use counterpoint_machine::ident::codes;
+use counterpoint_machine::index::AxisSlot;
+use counterpoint_machine::model::Dynamics;
+use counterpoint_motion::lookahead::Piece;
+
+use super::State;
+use super::channel::Channel;
+use super::modal::group;
+use super::pace::{NOISE, Stretch};
+use super::position::Axis;
+use super::times::MoveTimes;
+
+/// The move as the look-ahead takes it; none if the path stops before and after it.
+#[inline(always)]
+pub(crate) fn paced(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stretch> {
+    if channel.emitter.times_moves() { continuous(channel, seconds, motion) } else { None }
+}
+
+#[inline(never)]
+fn continuous(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stretch> {
+    match motion.kind {
+        MotionKind::Rapid | MotionKind::Thread => None,
+        // The spindle leads.
+        _ if channel.state.threads.rounds => None,
+        _ => of_path(channel, seconds, motion),
+    }
+}
+
+/// Adds the event of a move at feed whose time later ones decide. `ns`: its time if speeds changed at once.
+#[inline(always)]
+pub(crate) fn emit_move(channel: &mut Channel<'_>, ns: i64, motion: &Motion, stretch: &Stretch) {
+    let Channel { at, block, state: State { place, modal, times, spindle, .. }, emitter, .. } = channel;
+    let exact = block.flags.exact_stop || modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
+    let mut times = MoveTimes { record: times, command: &spindle.command };
+    let axes = place.layout.axes.iter().enumerate();
+    let jumps = axes.filter_map(|(at, axis)| Some((at, axis.dynamics.corner_speed?)));
+    emitter.emit_move((at, &mut times), (ns, motion), (stretch, exact), jumps);
+}
+
+/// A move as a piece of a path; none for a move without a path.
+fn of_path(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stretch> {
+    let axes = &channel.state.place.layout.axes;
+    let changes = if channel.couples() {
+        channel.changes(&channel.machine_point(&motion.from), &channel.machine_point(&motion.to))
+    } else {
+        channel.changes(&motion.from, &motion.to)
+    };
+    let along = Along { channel, changes: &changes, seconds };
+    match motion.kind {
+        MotionKind::ArcCw | MotionKind::ArcCcw => {
+            let turn = if motion.kind == MotionKind::ArcCw { -1.0 } else { 1.0 };
+            let plane = motion.plane_axes.map(|axis| axes.id(usize::from(axis)));
+            match plane {
+                [Some(first), Some(second)] => along.circle(motion, [first, second], turn),
+                _ => along.line(motion.length),
+            }
+        }
+        MotionKind::ArcSpace => along.line(motion.length),
+        _ => along.line(0.0),
+    }
+}
+
+/// A move that becomes a piece.
+struct Along<'p, 'a> {
+    channel: &'p Channel<'a>,
+    changes: &'p Position,
+    seconds: f64,
+}
+
+/// The limits along a direction.
+struct Limits {
+    speed: f64,
+    acceleration: f64,
+    jerk: f64,
+}
+
+impl Limits {
+    fn none() -> Self {
+        Self { speed: f64::INFINITY, acceleration: f64::INFINITY, jerk: f64::INFINITY }
+    }
+
+    /// Adds an axis with its part of the path.
+    fn axis(&mut self, axis: &Axis, part: f64) {
+        let part = part.abs();
+        if part > NOISE {
+            let Dynamics { acceleration, jerk, .. } = axis.dynamics;
+            self.speed = self.speed.min(axis.rapid / part);
+            self.acceleration = self.acceleration.min(acceleration.map_or(f64::INFINITY, |a| a / part));
+            self.jerk = self.jerk.min(jerk.map_or(f64::INFINITY, |j| j / part));
+        }
+    }
+
+    fn piece(&self, length: f64, speed: f64) -> Piece {
+        let speed = speed.min(self.speed);
+        Piece { length, speed, acceleration: self.acceleration, jerk: self.jerk, corner: f64::INFINITY }
+    }
+}
+
+impl Along<'_, '_> {
+    /// A straight path, or one whose directions are not known, of this length at least.
+    fn line(&self, length: f64) -> Option<Stretch> {
+        let chord = self.changes.iter().map(|change| change * change).sum::<f64>().sqrt();
+        let length = chord.max(length);
+        if !(length > NOISE && chord > NOISE && self.seconds > 0.0 && self.seconds.is_finite()) {
+            return None;
+        }
+        let mut direction = *self.changes;
+        direction.iter_mut().for_each(|part| *part /= chord);
+        let mut limits = Limits::none();
+        for (axis, part) in self.channel.state.place.layout.axes.iter().zip(direction) {
+            limits.axis(axis, part);
+        }
+        Some(Stretch { piece: limits.piece(length, length / self.seconds), start: direction, end: direction })
+    }
+
+    /// A circle in a plane, perhaps with a rise.
+    fn circle(&self, motion: &Motion, plane: [AxisSlot; 2], turn: f64) -> Option<Stretch> {
+        use counterpoint_machine::index::BySlot as _;
+        let axes = &self.channel.state.place.layout.axes;
+        let length = motion.length;
+        if !(length > NOISE && self.seconds > 0.0 && self.seconds.is_finite()) {
+            return None;
+        }
+        let scale = plane.map(|axis| axes[axis].scale);
+        let spoke = |point: &Position| {
+            let [x, y] = [0, 1].map(|at| {
+                let (axis, center) = (plane.get(at), motion.center.get(at).copied().unwrap_or(0.0));
+                axis.map_or(0.0, |axis| point.at(*axis) - center) * scale.get(at).copied().unwrap_or(1.0)
+            });
+            [x, y]
+        };
+        let [x, y] = spoke(&motion.from);
+        let radius = x.hypot(y);
+        let mut rise = *self.changes;
+        plane.iter().for_each(|axis| *rise.at_mut(*axis) = 0.0);
+        let up = rise.iter().map(|part| part * part).sum::<f64>();
+        let flat = (length * length - up).max(0.0).sqrt();
+        if radius <= NOISE || flat <= NOISE {
+            return self.line(length);
+        }
+        let direction = |point: &Position| {
+            let [x, y] = spoke(point);
+            let radius = x.hypot(y).max(NOISE);
+            let mut out = [0.0; MAX_AXES];
+            for (axis, slot) in out.iter_mut().enumerate() {
+                *slot = rise.get(axis).copied().unwrap_or(0.0) / length;
+            }
+            *out.at_mut(plane[0]) = -turn * y / radius * flat / length;
+            *out.at_mut(plane[1]) = turn * x / radius * flat / length;
+            out
+        };
+        let mut limits = Limits::none();
+        for (axis, part) in axes.iter().zip(&rise) {
+            limits.axis(axis, part / length);
+        }
+        for axis in plane {
+            limits.axis(&axes[axis], flat / length);
+        }
+        // Round the circle the axes must bear its centripetal acceleration.
+        let inward = plane.iter().filter_map(|axis| axes[*axis].dynamics.acceleration).fold(f64::INFINITY, f64::min);
+        let round = (inward * radius).sqrt() * length / flat;
+        let piece = limits.piece(length, round.min(length / self.seconds));
+        Some(Stretch { piece, start: direction(&motion.from), end: direction(&motion.to) })
+    }
+}
