@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use uuid::Uuid;
 
 use crate::doctor::examine_as;
-use crate::local::claim::{CLAIM, is_claimed};
+use crate::local::claim::{self, CLAIM, is_claimed};
 use crate::local::contained::contained;
 use crate::local::disk::Disk;
 use crate::local::folder_lock::{FolderLock, Holder};
@@ -39,8 +39,10 @@ const LOOK_FOR_SERVER: Duration = Duration::from_secs(1);
 pub struct Contents {
     /// Jobs.
     pub jobs: usize,
-    /// Blobs.
+    /// Copied blobs.
     pub blobs: usize,
+    /// Blobs that jobs or machines need, and that the folder did not have.
+    pub missing: usize,
     /// Ended jobs that were left out: deleted while the backup was made, or their log is lost.
     pub left_out: usize,
 }
@@ -48,9 +50,11 @@ pub struct Contents {
 /// Copies the data folder `from`, which a server may use, to the new folder `to`.
 ///
 /// # Errors
-/// When `to` is not empty, when a file cannot be read or written, or when the server does not answer.
+/// When `to` is not empty, when `from` is incomplete itself, when a file cannot be read or written, or when the server
+/// does not answer.
 pub fn backup(from: &Path, to: &Path) -> Result<Contents, String> {
     has_ledger(from)?;
+    claim::check(from).map_err(|error| error.to_string())?;
     lies_outside(to, from)?;
     let _claim = Claim::of(to)?;
     contained(|| copy_with_ledger(from, to))
@@ -111,18 +115,17 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
     checkup.remove(&gone)?;
     let left_out = gone.len();
     let rows = checkup.rows()?;
-    let needed = &rows.blobs;
-    for (tenant, digest) in needed {
+    let mut missing = 0;
+    for (tenant, digest) in &rows.blobs {
         let new = target.blob(tenant, digest);
         let Ok(place) = new.strip_prefix(to) else { continue };
         let old = from.join(place);
         match new.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| copy_file(&old, &new, Owner::default())) {
-            // The examination of the backup reports it.
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) if error.kind() == io::ErrorKind::NotFound => missing += 1,
             other => other?,
         }
     }
-    Ok(Contents { jobs: rows.jobs.len(), blobs: needed.len(), left_out })
+    Ok(Contents { jobs: rows.jobs.len(), blobs: rows.blobs.len() - missing, missing, left_out })
 }
 
 /// Whether the process that uses a folder may be a server, which copies its ledger on request.

@@ -97,10 +97,7 @@ fn run(command: &Command, options: &Options) -> ExitCode {
         }
         Command::Backup { to, data: own } => {
             keep_private();
-            backup::backup(own.as_deref().unwrap_or(data), to).and_then(|Contents { jobs, blobs, left_out }| {
-                let to = to.display();
-                output::line(format_args!("{jobs} jobs, {blobs} blobs, {left_out} jobs left out: {to}"))
-            })
+            return back_up(own.as_deref().unwrap_or(data), to);
         }
         Command::Restore { from, damaged, data: own } => {
             keep_private();
@@ -109,6 +106,30 @@ fn run(command: &Command, options: &Options) -> ExitCode {
         }
     };
     outcome(done)
+}
+
+/// Copies a folder and prints the content of the copy.
+fn back_up(from: &Path, to: &Path) -> ExitCode {
+    let copied = match backup::backup(from, to) {
+        Ok(copied) => copied,
+        Err(error) => return fail(3, &error),
+    };
+    let Contents { jobs, blobs, missing, left_out } = copied;
+    let listed = output::line(format_args!("{jobs} jobs, {blobs} blobs, {left_out} jobs left out: {}", to.display()));
+    if let Err(error) = listed {
+        return fail(3, &error);
+    }
+    if missing == 0 {
+        return ExitCode::SUCCESS;
+    }
+    let from = from.display();
+    fail(
+        1,
+        &format!(
+            "{missing} blobs are missing in '{from}', so the backup is damaged: `counterpointd doctor --data '{from}'` \
+             names them"
+        ),
+    )
 }
 
 fn outcome(done: Result<(), String>) -> ExitCode {

@@ -286,6 +286,28 @@ async fn a_folder_whose_backup_or_restore_was_killed_is_refused_and_named() {
             assert!(claim.exists(), "a repair does not make the content whole");
         }
     }
+    let copy = folder.path().join("copy");
+    let (code, text) = command(&["backup"], &copy, &whole).await;
+    assert!(code == Some(3) && text.contains("copy-in-progress") && !copy.exists(), "{code:?} {text}");
+}
+
+/// docs/operations.md: a backup of a folder without some of its blobs is made, counts them, and ends with 1.
+#[tokio::test]
+async fn a_backup_counts_the_blobs_that_it_has_copied_and_reports_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let (data, copy) = (folder.path().join("data"), folder.path().join("backup"));
+    let server = Server::start(options(&data)).await;
+    for (id, program) in [("one", "EVENTS 1"), ("two", "EVENTS 2")] {
+        let job = server.submit(id, program).await;
+        server.wait(&job).await;
+    }
+    server.stop().await;
+    let content = digest(b"EVENTS 2");
+    std::fs::remove_file(data.join("blobs").join(&content[..2]).join(&content)).unwrap();
+    let (code, text) = command(&["backup"], &copy, &data).await;
+    assert!(code == Some(1) && text.starts_with("2 jobs, 1 blobs, 0 jobs left out"), "{code:?} {text}");
+    assert!(text.contains("1 blobs are missing in") && text.contains("doctor"), "{text}");
+    assert_eq!(examine(&copy, false).unwrap().iter().filter(|found| !found.note).count(), 1);
 }
 
 /// A backup of a stopped server has the folder for as long as it copies the ledger.
