@@ -50,9 +50,11 @@ pub(crate) struct Act<'k, 'a> {
 }
 
 impl<'k, 'a> Act<'k, 'a> {
-    /// Reads the numbers of the block again, in the units that it has chosen.
-    pub(crate) fn read_words_again(&mut self) {
+    /// Reads the numbers of the block again, in the unit that it has selected. Values of the part that may be in the
+    /// other one are reported.
+    pub(crate) fn unit_selected(&mut self, inch: bool) -> Acted {
         self.kernel.read_words_again();
+        crate::channel::part_data::check(self.kernel, inch)
     }
 
     /// The context of an action of this kernel.

@@ -228,6 +228,7 @@ diagnostics! {
     ARC_INCOMPLETE 2900384 "arc-incomplete" 8 false "arc without a centre or radius";
     AXIS_WORD_OWNED 2900520 "axis-word-not-taken" 8 false "axis word that the code of the block does not take";
     FREE_CONTOUR 2900652 "free-contour-not-determined" 8 true "element of a free contour not determined";
+    PART_DATA_UNIT 2900653 "part-data-unit" 4 false "data of the part may be in the other unit";
     REPEATS_NOT_WHOLE 2900651 "repeats-not-whole" 4 false "number of repeats is not whole";
     MODAL_CALL_OPEN 2900650 "modal-call-open" 8 true "modal call not cancelled";
     OKUMA_NO_MODAL 2900182 "no-modal-call" 4 false "no modal call active (Okuma)";

@@ -17,16 +17,62 @@ pub fn of<'s>(
     begins: &Machine,
     source: &'s Source,
 ) -> impl Iterator<Item = (u32, f64)> + use<'s> {
-    let step = if begins_in_inches(begins) { 10_000.0 } else { 1000.0 };
+    let step = step(begins_in_inches(begins));
+    lines(machine, source).map(move |(_, text)| (text.number, text.value(step)))
+}
+
+/// The first value without a decimal point.
+#[must_use]
+pub fn whole(machine: &Machine, source: &Source) -> Option<Whole> {
+    let (line, first) = lines(machine, source).find(|(_, text)| !text.pointed)?;
+    let text = String::from_utf8_lossy(source.line(line)).trim().to_owned();
+    let values = [false, true].map(|inches| first.value(step(inches)));
+    Some(Whole { line, text, values })
+}
+
+/// A value without a decimal point.
+#[derive(Debug)]
+pub struct Whole {
+    /// Its line.
+    pub line: u32,
+    /// The text of the line.
+    pub text: String,
+    /// The value if the machine begins in millimetres, and in inches.
+    pub values: [f64; 2],
+}
+
+/// Least increments in a millimetre or an inch.
+fn step(inches: bool) -> f64 {
+    if inches { 10_000.0 } else { 1000.0 }
+}
+
+/// The lines that set variables which all channels share.
+fn lines<'s>(machine: &'s Machine, source: &'s Source) -> impl Iterator<Item = (u32, Preset)> + use<'s> {
     let data = source.sections().iter().filter(|section| section.channel == 0);
     let lines = data.flat_map(|section| source.walk(section.lines.0, section.lines.1));
     let is_shared =
         |number: u32| machine.variables.shared.iter().any(|(first, last)| (*first..=*last).contains(&number));
-    lines.filter_map(move |line| preset(source.line(line), step)).filter(move |(number, _)| is_shared(*number))
+    lines
+        .filter_map(move |line| Some((line, preset(source.line(line))?)))
+        .filter(move |(_, text)| is_shared(text.number))
+}
+
+/// A value as it is written.
+struct Preset {
+    number: u32,
+    written: f64,
+    pointed: bool,
+}
+
+impl Preset {
+    /// The value if a whole number counts increments of which so many make a unit.
+    fn value(&self, step: f64) -> f64 {
+        if self.pointed { self.written } else { self.written / step }
+    }
 }
 
 /// The variable of a line and its value.
-fn preset(line: &[u8], step: f64) -> Option<(u32, f64)> {
+fn preset(line: &[u8]) -> Option<Preset> {
     let text = std::str::from_utf8(line).ok()?.trim();
     let (number, value) = text.strip_prefix('#')?.split_once('=')?;
     let (number, value) = (number.trim(), value.trim());
@@ -35,13 +81,14 @@ fn preset(line: &[u8], step: f64) -> Option<(u32, f64)> {
     if !is_number(value) || !number.bytes().all(|byte| byte.is_ascii_digit()) {
         return None;
     }
-    let written: f64 = value.parse().ok()?;
-    Some((number.parse().ok()?, if value.contains('.') { written } else { written / step }))
+    Some(Preset { number: number.parse().ok()?, written: value.parse().ok()?, pointed: value.contains('.') })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    fn preset(line: &[u8], step: f64) -> Option<(u32, f64)> {
+        super::preset(line).map(|preset| (preset.number, preset.value(step)))
+    }
 
     #[test]
     fn values_count_least_increments_or_have_a_point() {

@@ -32,6 +32,8 @@ pub struct Shared {
     pub coupled: FxHashMap<Coupled, Stand>,
     /// Couplings that one channel has commanded alone, oldest first.
     pub alone: Vec<Alone>,
+    /// Values of the part that may be in another unit were reported.
+    pub part_data_reported: bool,
 }
 
 /// One meeting of one of two coupled axes.

@@ -37,11 +37,11 @@ pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
 pub(super) fn units(act: &mut Act<'_, '_>, secondary: bool) -> Acted {
     use counterpoint_event::info::Unit;
     act.channel_mut().reports.unit_named = true;
+    let inch = (act.channel().env.machine.unit == Unit::Inch) != secondary;
     if act.channel().state.secondary != secondary {
         act.channel_mut().state.secondary = secondary;
-        act.read_words_again();
+        act.unit_selected(inch)?;
     }
-    let inch = (act.channel().env.machine.unit == Unit::Inch) != secondary;
     mode(act, if inch { "units inch" } else { "units mm" })
 }
 
