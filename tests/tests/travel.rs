@@ -53,6 +53,30 @@ fn alarms(lathe: bool, text: &str) -> bool {
     !numbers.is_empty()
 }
 
+/// The first message of a program.
+fn message(name: &str, more: &str, text: &str) -> String {
+    let done = Work::texts(machine(name, more), &[text], Options::default()).run(None).expect("a job");
+    done.summary.diagnostics.first().map(|told| told.text.clone()).unwrap_or_default()
+}
+
+/// Fanuc controls with parameter 3401#0 = 0 read X5000 as 5 mm.
+#[test]
+fn a_long_number_without_a_point_may_count_increments() {
+    let hint = "; if X5000 counts least increments, run with --set numbers=increments";
+    let ends = |name: &str, more: &str, text: &str| message(name, more, text).ends_with(hint);
+    assert!(ends("fanuc-mill", "", "G0 X5000\nM30\n"));
+    assert!(ends("fanuc-lathe", "", "G0 Z1 X5000\nM30\n"));
+    for (name, more, text) in [
+        ("fanuc-mill", "", "G0 X5000.\nM30\n"),
+        ("fanuc-mill", "", "G0 X900 (X5000)\nG0 X9000.\nM30\n"),
+        ("fanuc-mill", "[control]\nnumbers = \"increments\"\n", "G0 X5000000\nM30\n"),
+        ("siemens-mill", "", "G0 X5000\nM30\n"),
+    ] {
+        let message = message(name, more, text);
+        assert!(message.contains("is beyond its limits") && !message.contains("increments"), "{message}");
+    }
+}
+
 /// A move in the plane, in geometry units: from a place by an angle about a centre, or straight.
 #[derive(Debug, Clone, Copy)]
 struct Move {

@@ -13,6 +13,8 @@ pub struct Row {
     pub calls_by_word: bool,
     /// Incremental words after a change of frame travel the change too, unless the machine says otherwise.
     pub frame_increments: bool,
+    /// Coordinates without a decimal point may count least increments.
+    pub counts_increments: bool,
     /// A semicolon starts a comment, so it does not end a block.
     pub semicolon_comments: bool,
     /// Statements of its own may be rows of `[[waits]]`.
@@ -30,6 +32,7 @@ const PLAIN: Row = Row {
     name: "none",
     calls_by_word: false,
     frame_increments: false,
+    counts_increments: false,
     semicolon_comments: false,
     wait_statements: false,
     wait_keys: false,
@@ -38,9 +41,9 @@ const PLAIN: Row = Row {
 };
 
 static ROWS: [Row; 6] = [
-    PLAIN,
-    Row { name: "fanuc", calls_by_word: true, ..PLAIN },
-    Row { name: "okuma", named_stops: true, ..PLAIN },
+    Row { counts_increments: true, ..PLAIN },
+    Row { name: "fanuc", calls_by_word: true, counts_increments: true, ..PLAIN },
+    Row { name: "okuma", counts_increments: true, named_stops: true, ..PLAIN },
     Row {
         name: "siemens",
         frame_increments: true,

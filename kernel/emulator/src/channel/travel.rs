@@ -10,6 +10,7 @@ use counterpoint_fault::Acted;
 use counterpoint_machine::index::{AxisId, AxisSlot, BySlot};
 use counterpoint_motion::arc;
 use counterpoint_motion::space::Circle;
+use counterpoint_program::block::Word;
 
 use super::Kernel;
 use crate::state::channel::Channel;
@@ -32,6 +33,9 @@ enum Limits {
 
 /// Distance beyond the limits that counts as rounding.
 const NOISE: f64 = 1e-9;
+
+/// Digits of a number from which on it may count least increments: 1 mm.
+const FEWEST_DIGITS: usize = 4;
 
 /// Places of a move under tool tip control that are looked at, for each degree of its rotary axes: 1 m from the centre
 /// of rotation the axes get at most 0.01 mm further between two places.
@@ -203,13 +207,31 @@ impl Kernel<'_> {
 
     fn report_over_travel(&mut self, over: Option<Over>) {
         let Some((axis, at, [low, high])) = over else { return };
-        let name = &self.channel.env.machine.axes[axis].name;
+        let axis = &self.channel.env.machine.axes[axis];
+        let hint = match self.channel.block.words.iter().find_map(|word| whole_number(self, word, &axis.letter)) {
+            Some(word) => format!("; if {word} counts least increments, run with --set numbers=increments"),
+            None => String::new(),
+        };
         let text = format!(
-            "axis {name} at {at:.3} in the machine frame is beyond its limits {low} to {high} in '{}'",
+            "axis {} at {at:.3} in the machine frame is beyond its limits {low} to {high} in '{}'{hint}",
+            axis.name,
             self.block_text()
         );
         self.diagnose(&diag::OVER_TRAVEL, text);
     }
+}
+
+/// The text of a word of an axis whose number has many digits and no decimal point, on a control that may count such
+/// numbers in least increments and does not.
+fn whole_number(kernel: &Kernel<'_>, word: &Word, axis: &str) -> Option<String> {
+    let machine = kernel.channel.env.machine;
+    let register = &machine.registers[word.register];
+    if register.before != axis || register.counts || word.made || !machine.preprocessor.row().counts_increments {
+        return None;
+    }
+    let text = String::from_utf8_lossy(&kernel.word_bytes(word)).into_owned();
+    let digits = text.trim_start_matches(|c: char| !c.is_ascii_digit());
+    (digits.len() >= FEWEST_DIGITS && digits.bytes().all(|byte| byte.is_ascii_digit())).then_some(text)
 }
 
 /// Whether a straight move or a circle in a plane certainly stays within the travel limits; `false` leaves that
