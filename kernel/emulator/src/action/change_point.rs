@@ -19,7 +19,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// To the change position.
 pub(super) fn go(act: &mut Act<'_, '_>) -> Acted {
     act.channel_mut().state.others.before_change =
-        Some(act.channel().machine_point(&act.channel().state.place.position));
+        Some(act.channel().state.place.machine_point(&act.channel().state.place.position));
     if act.channel().env.machine.habits.home == Home::Machine {
         let (coded, target) = super::home::machine_targets(act);
         return if coded == 0 { to_point(act, 0) } else { act.rapid_to(coded, target) };
@@ -34,13 +34,13 @@ pub(super) fn go(act: &mut Act<'_, '_>) -> Acted {
 /// Before a tool is loaded.
 pub(super) fn before_load(act: &mut Act<'_, '_>) -> Acted {
     act.channel_mut().state.others.before_change =
-        Some(act.channel().machine_point(&act.channel().state.place.position));
+        Some(act.channel().state.place.machine_point(&act.channel().state.place.position));
     to_point(act, 0)
 }
 
 /// `coded` 0 = all axes that have a position.
 fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
-    let mut target = act.channel().machine_point(&act.channel().state.place.position);
+    let mut target = act.channel().state.place.machine_point(&act.channel().state.place.position);
     let (mut moving, mut missing) = (0_u8, false);
     let point = &act.channel().env.machine.tool.change_point;
     for (at, (slot, axis)) in target.iter_mut().zip(&act.channel().state.place.layout.axes).enumerate() {
@@ -55,7 +55,7 @@ fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
             None => missing |= coded != 0,
         }
     }
-    let target = act.channel().way_of_machine(&target);
+    let target = act.channel().state.place.way_of_machine(&target);
     if missing || moving == 0 {
         let text = format!("no tool-change position is defined for every axis of '{}'", act.block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
@@ -72,7 +72,7 @@ pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
     }
     match before {
         Some(before) => {
-            let before = act.channel().way_of_machine(&before);
+            let before = act.channel().state.place.way_of_machine(&before);
             let moved = act
                 .channel()
                 .state

@@ -20,8 +20,8 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 /// Clamps an axis or lets it go.
 pub(super) fn clamp(act: &mut Act<'_, '_>, id: DataId, on: bool) -> Acted {
-    let Some(axis) = act.channel().axis_of_data(id) else { return no_axis(act, id) };
-    act.channel_mut().set_clamp(axis, on);
+    let Some(axis) = act.channel().state.place.axis_of_data(id) else { return no_axis(act, id) };
+    act.channel_mut().state.place.set_clamp(axis, on);
     let text = format!("{} {}", if on { "clamp" } else { "unclamp" }, act.channel().axis_name(axis));
     act.channel_mut().emit(0, Kind::mode(text));
     Ok(())
@@ -37,7 +37,8 @@ pub(super) fn unwind(act: &mut Act<'_, '_>, id: Option<DataId>) -> Acted {
         }
         return Ok(());
     };
-    match act.channel().axis_of_data(id).filter(|axis| act.channel().state.place.layout.axes[*axis].rotary) {
+    match act.channel().state.place.axis_of_data(id).filter(|axis| act.channel().state.place.layout.axes[*axis].rotary)
+    {
         Some(axis) => act.unwind_axis(axis, Modulo::Normal),
         None => return no_axis(act, id),
     }

@@ -65,6 +65,8 @@ pub(super) fn corner(act: &mut Act<'_, '_>, arc: bool) -> Acted {
 fn round(act: &mut Act<'_, '_>) -> Acted {
     let last = act
         .channel_mut()
+        .state
+        .place
         .cutter()
         .and_then(|cutter| cutter.waiting.iter_mut().rev().find(|waits| waits.element.is_some()));
     if let Some(waits) = last {

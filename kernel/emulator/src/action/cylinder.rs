@@ -44,7 +44,7 @@ fn off(act: &mut Act<'_, '_>) -> Acted {
 /// block or the last one; without a linear axis the block only gives one.
 fn map(act: &mut Act<'_, '_>) -> Acted {
     let radius = act.take(data::CYLINDER_RADIUS).map(|datum| datum.value);
-    let mut named = |id| act.channel().axis_of_data(id).filter(|_| act.take(id).is_some());
+    let mut named = |id| act.channel().state.place.axis_of_data(id).filter(|_| act.take(id).is_some());
     let rotary = TURNS_ABOUT.into_iter().find_map(|(id, role)| Some((named(id)?, role)));
     let [x, y, z] = [data::AXIS_X, data::AXIS_Y, data::AXIS_Z].map(|id| named(id).is_some());
     if radius.is_none() && rotary.is_none() && !(x || y || z) {
@@ -87,8 +87,8 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
         act.diagnose(&diag::NO_CYLINDER, text);
         return Ok(());
     };
-    act.channel_mut().frames().polar = Some(cylinder);
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames().polar = Some(cylinder);
+    act.channel_mut().state.place.frames_changed();
     super::cutter::plane_changed(act);
     act.channel_mut().emit(0, Kind::mode(format!("cylinder on r={radius}")));
     Ok(())
@@ -99,7 +99,7 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
 type Given = (f64, Option<(AxisSlot, usize)>, bool);
 
 fn radius(act: &mut Act<'_, '_>) -> Option<Given> {
-    let axes = TURNS_ABOUT.map(|(id, role)| (id, act.channel().axis_of_data(id).map(|axis| (axis, role))));
+    let axes = TURNS_ABOUT.map(|(id, role)| (id, act.channel().state.place.axis_of_data(id).map(|axis| (axis, role))));
     if let Some(radius) = act.take(data::CYLINDER_RADIUS) {
         return Some((radius.value, axes.into_iter().find_map(|(_, axis)| axis), true));
     }

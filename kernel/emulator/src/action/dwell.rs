@@ -68,7 +68,9 @@ impl Act<'_, '_> {
 fn turns(act: &mut Act<'_, '_>, revolutions: f64) -> Acted {
     let minutes = match act.speed_from_now()? {
         Some(Turning::Driven(driven, elapsed)) => driven.minutes_of(elapsed, revolutions),
-        Some(turning) => revolutions / turning.rpm(act.channel().radius(&act.channel().state.place.position)),
+        Some(turning) => {
+            revolutions / turning.rpm(act.channel().state.place.radius(&act.channel().state.place.position))
+        }
         None => {
             let text = format!("{} in the dwell in revolutions '{}'", stopped(act.channel()), act.block_text());
             act.diagnose(&diag::SPINDLE_STANDS, text);

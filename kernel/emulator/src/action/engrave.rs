@@ -62,7 +62,7 @@ fn engrave(act: &mut Act<'_, '_>) -> Acted {
         return refuse(act, "the depth Z is missing");
     }
     let (sin, cos) = (libm::sin(angle.to_radians()), libm::cos(angle.to_radians()));
-    let clear = clear.unwrap_or_else(|| act.channel().programmed().at(z));
+    let clear = clear.unwrap_or_else(|| act.channel().state.place.programmed().at(z));
     let lie = Lie { axes: [x, y, z], begin: target, along: [height * cos, height * sin], depth: target.at(z), clear };
     if lie.clear <= lie.depth {
         return refuse(act, &format!("the return plane {} is not above the depth {}", lie.clear, lie.depth));
@@ -133,7 +133,7 @@ fn cut(
         *place.at_mut(z) = height;
         place
     };
-    let mut over = at(act.channel().programmed().at(z), [0.0; 2]);
+    let mut over = at(act.channel().state.place.programmed().at(z), [0.0; 2]);
     act.rapid_to_point(flat, over)?;
     *over.at_mut(z) = lie.clear;
     act.rapid_to_point(z.bit(), over)?;

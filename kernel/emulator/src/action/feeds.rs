@@ -24,8 +24,8 @@ const EDGE: u16 = 149;
 /// The share of the feed that moves down keep to; without one they have the feed.
 fn down(act: &mut Act<'_, '_>) -> Acted {
     let share = act.take(data::DOWN_FEED).map(|datum| datum.value / 100.0).filter(|share| *share > 0.0);
-    act.channel_mut().frames().feeds.down = share;
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames().feeds.down = share;
+    act.channel_mut().state.place.frames_changed();
     let text = match share {
         Some(share) => format!("feed down {}%", counterpoint_lang::format::wildcard_text(share * 100.0)),
         None => "feed down off".to_owned(),
@@ -36,8 +36,8 @@ fn down(act: &mut Act<'_, '_>) -> Acted {
 
 /// The feed of rotary axes is a length or an angle.
 fn rotary(act: &mut Act<'_, '_>, length: bool) -> Acted {
-    act.channel_mut().frames().feeds.rotary_length = length;
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames().feeds.rotary_length = length;
+    act.channel_mut().state.place.frames_changed();
     super::mode::mode(act, if length { "feed rotary length" } else { "feed rotary angle" })
 }
 

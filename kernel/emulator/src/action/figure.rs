@@ -101,10 +101,10 @@ pub(super) fn put(act: &mut Act<'_, '_>, figure: &Figure, on: bool) -> Acted {
     {
         super::local::refuse(act, refused);
     }
-    act.channel_mut().frames().local = local;
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames().local = local;
+    act.channel_mut().state.place.frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
-    act.channel_mut().keep_ways(before);
+    act.channel_mut().state.place.keep_ways(before);
     act.channel_mut().keep_levels(levels);
     let text = act.frame_text();
     act.channel_mut().emit(0, counterpoint_event::event::Kind::mode(text));

@@ -51,7 +51,7 @@ pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
 
 /// The position of the axes gets the programmed values.
 pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
-    if act.channel().tilted().is_some() {
+    if act.channel().state.place.tilted().is_some() {
         let text = format!("a preset is not possible in a tilted plane, '{}' sets nothing", act.block_text());
         return Err(act.alarm(&diag::FRAME_REFUSED, text));
     }
@@ -69,7 +69,7 @@ pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     let turned = act.channel().state.place.frames.is_some();
-    let stands = act.channel().contour();
+    let stands = act.channel().state.place.contour();
     for (index, value) in target.iter().enumerate() {
         if (turned || coded & (1 << index) != 0)
             && let (Some(preset), Some(position)) =
@@ -122,7 +122,7 @@ pub(super) fn work_offset_off(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
     let asks = sign != 0.0 || act.block_has(data::COMP_LENGTH);
     let number = if asks { act.take(data::COMP_LENGTH).map(|d| d.value) } else { None };
-    let ends_tip = sign == 0.0 && act.channel().tip().is_some_and(|tip| tip.with_length);
+    let ends_tip = sign == 0.0 && act.channel().state.place.tip().is_some_and(|tip| tip.with_length);
     if ends_tip {
         super::tip::off(act)?;
     }

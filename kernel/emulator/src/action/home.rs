@@ -108,13 +108,13 @@ pub(super) fn machine_targets(act: &mut Act<'_, '_>) -> (u8, Position) {
 }
 
 fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
-    let mut target = act.channel().machine_point(&act.channel().state.place.position);
+    let mut target = act.channel().state.place.machine_point(&act.channel().state.place.position);
     for (slot, axis) in act.channel().state.place.layout.axes.entries().filter(|(slot, _)| coded & slot.bit() != 0) {
         if let Some(point) = reference(axis, number) {
             *target.at_mut(slot) = act.next_to(slot, target.at(slot), point);
         }
     }
-    let target = act.channel().way_of_machine(&target);
+    let target = act.channel().state.place.way_of_machine(&target);
     act.rapid_to(coded, target)?;
     super::offset_words::at_reference(act, coded);
     Ok(())
@@ -134,7 +134,7 @@ fn home_text(channel: &Channel<'_>, coded: u8, number: usize) -> String {
 fn check(act: &mut Act<'_, '_>) -> Acted {
     let (coded, target) = act.targets();
     act.rapid_to(coded, target)?;
-    let machine = act.channel().machine_point(&act.channel().state.place.position);
+    let machine = act.channel().state.place.machine_point(&act.channel().state.place.position);
     let is_off = |slot: AxisSlot, axis: &Axis| {
         let home = act.next_to(slot, machine.at(slot), axis.home);
         coded & slot.bit() != 0 && (machine.at(slot) - home).abs() > AT_REFERENCE

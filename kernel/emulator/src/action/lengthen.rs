@@ -32,7 +32,7 @@ fn lengthen(act: &mut Act<'_, '_>, times: f64) -> Acted {
     }
     let by = times * act.cutter_radius(act.channel().diameter_number());
     let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-    let stands = act.channel().programmed();
+    let stands = act.channel().state.place.programmed();
     for slot in act.channel().state.place.layout.axes.ids() {
         let axis = &act.channel().state.place.layout.axes[slot];
         if axis.rotary {

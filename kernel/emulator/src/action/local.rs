@@ -67,9 +67,9 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
     if let Err(refused) = put(act, part, change, given) {
         refuse(act, refused);
     }
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
-    act.channel_mut().keep_ways(before);
+    act.channel_mut().state.place.keep_ways(before);
     act.channel_mut().keep_levels(levels);
     let text = act.frame_text();
     act.channel_mut().emit(0, Kind::mode(text));
@@ -88,12 +88,14 @@ pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
         }
     }
     let has = act.channel().state.place.has_axes();
-    if let Err(refused) =
-        act.channel_mut().frames().local.set(Part::Translate, Some(Programmed::new(Affine::translation(by), by)), has)
-    {
+    if let Err(refused) = act.channel_mut().state.place.frames().local.set(
+        Part::Translate,
+        Some(Programmed::new(Affine::translation(by), by)),
+        has,
+    ) {
         refuse(act, refused);
     }
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames_changed();
 }
 
 /// Exchanges the local shifts when another work offset becomes active, if each has its own.
@@ -102,7 +104,7 @@ pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
     if !act.channel().env.machine.habits.shift_of_each || old == new || act.channel().state.place.frames.is_none() {
         return;
     }
-    let frames = act.channel_mut().frames();
+    let frames = act.channel_mut().state.place.frames();
     let local = frames.local.part(Part::Translate).copied();
     let beside = frames.beside.as_deref().and_then(|beside| beside.part(Part::Translate)).copied();
     let mut kept = frames.shifts.take().unwrap_or_default();
@@ -117,7 +119,7 @@ pub(super) fn exchange_shifts(act: &mut Act<'_, '_>, old: u32, new: u32) {
     if let Err(refused) = put(act, Part::Translate, Change::On, Given { local: next, beside: next_beside }) {
         refuse(act, refused);
     }
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames_changed();
     let text = act.frame_text();
     act.channel_mut().emit(0, Kind::mode(text));
 }
@@ -128,10 +130,10 @@ fn opposite(act: &mut Act<'_, '_>, on: bool) -> Acted {
     let mirrored = cutter::mirror::is_mirrored(act);
     let at = [act.channel().env.machine.turning.opposite / 2.0, 0.0, 0.0];
     let given = on.then(|| mirror_of([1.0, 0.0, 0.0], at));
-    if let Err(refused) = act.channel_mut().frames().local.set(Part::Mirror, given, has) {
+    if let Err(refused) = act.channel_mut().state.place.frames().local.set(Part::Mirror, given, has) {
         refuse(act, refused);
     }
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames_changed();
     cutter::mirror::frame_changed(act, mirrored);
     let text = act.frame_text();
     act.channel_mut().emit(0, Kind::mode(text));
@@ -159,7 +161,7 @@ fn given(act: &mut Act<'_, '_>, part: Part, change: Change) -> Given {
 /// Puts a part into force for all axes, or for none.
 fn put(act: &mut Act<'_, '_>, part: Part, change: Change, given: Given) -> Result<(), Refused> {
     let has = act.channel().state.place.has_axes();
-    let frames = act.channel_mut().frames();
+    let frames = act.channel_mut().state.place.frames();
     let now = || frames.beside.as_deref().cloned().unwrap_or_default();
     let beside = match (change, given.beside) {
         (Change::Add, Some(lines)) => Some(now().with_added(part, lines)?),
@@ -223,9 +225,9 @@ fn filled(words: [Option<f64>; 3], missing: Point) -> Point {
 
 /// Takes a centre. A machine that has words for it means the place where the tool is when the block has none.
 fn center(act: &mut Act<'_, '_>, ids: [DataId; 3], part: Part, change: Change) -> Point {
-    let here = act.channel().seen_from_work(&act.channel().contour());
+    let here = act.channel().state.place.seen_from_work(&act.channel().state.place.contour());
     let stands = match act.channel().state.place.frames.as_deref() {
-        Some(_) if change == Change::Add => act.channel().seen(&act.channel().programmed()),
+        Some(_) if change == Change::Add => act.channel().state.place.seen(&act.channel().state.place.programmed()),
         Some(frames) => frames.local.inside_of(part, here).unwrap_or(here),
         None => here,
     };
@@ -363,7 +365,7 @@ impl Act<'_, '_> {
         }
         let list = |values: Point| values.map(wildcard_text).join(",");
         let mut text = "lcs".to_owned();
-        let values = self.channel().frame_values();
+        let values = self.channel().state.place.frame_values();
         let mut part = |part: Part, word: &str, values: Point| {
             let beside = beside::text(self, part);
             if local.parts(part).next().is_some() || !beside.is_empty() {

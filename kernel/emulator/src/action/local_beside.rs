@@ -54,8 +54,8 @@ pub(super) fn end_shift(act: &mut Act<'_, '_>, coded: u8) {
         *lines.at_mut(axis) = Line::SAME;
     }
     if let Ok(changed) = beside.with(Part::Translate, Some(lines)) {
-        act.channel_mut().frames().beside = Some(Box::new(changed)).filter(|beside| !beside.is_empty());
-        act.channel_mut().frames_changed();
+        act.channel_mut().state.place.frames().beside = Some(Box::new(changed)).filter(|beside| !beside.is_empty());
+        act.channel_mut().state.place.frames_changed();
     }
 }
 

@@ -66,7 +66,7 @@ pub(super) fn linear(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn linear_times(act: &mut Act<'_, '_>, factor: f64) -> Acted {
     let (feed, unit) = act.feed();
     let (coded, mut target) = act.straight_targets();
-    for (to, from) in target.iter_mut().zip(&act.channel().contour()) {
+    for (to, from) in target.iter_mut().zip(&act.channel().state.place.contour()) {
         let far = from + factor * (*to - from);
         if far.is_finite() {
             *to = far;
@@ -150,8 +150,8 @@ impl Act<'_, '_> {
     fn targets_in_frames(&mut self) -> (u8, Position) {
         let (coded, target) = self.framed_targets();
         let (coded, target) = self.by_angle(coded, target);
-        self.channel_mut().ways_travelled(coded);
-        (coded, self.channel_mut().work_point(&target))
+        self.channel_mut().state.place.ways_travelled(coded);
+        (coded, self.channel_mut().state.place.work_point(&target))
     }
 
     #[cold]
@@ -169,17 +169,20 @@ impl Act<'_, '_> {
                 place.iter_mut().zip(tool).for_each(|(slot, tool)| *slot += factor * tool);
             };
             let start = self.start_in_machine_frame();
-            let mut stands = self.channel().machine_point(&start);
+            let mut stands = self.channel().state.place.machine_point(&start);
             add(&mut stands, -1.0);
             let (coded, mut target) = self.axis_words(stands, |_, _| None, Self::take_axis);
             add(&mut target, 1.0);
-            self.channel_mut().ways_travelled(coded);
-            return (coded, self.channel().program_point(&self.channel().point_of_machine(&target)));
+            self.channel_mut().state.place.ways_travelled(coded);
+            return (
+                coded,
+                self.channel().state.place.program_point(&self.channel().state.place.point_of_machine(&target)),
+            );
         }
-        let from = self.channel().programmed();
-        let counted = self.channel().counted();
+        let from = self.channel().state.place.programmed();
+        let counted = self.channel().state.place.counted();
         let shift = |act: &Self, axis: AxisSlot| Some(act.channel().state.place.shift.at(axis));
-        let (coded, mut target) = match (self.channel().polar(), self.polar_axes()) {
+        let (coded, mut target) = match (self.channel().state.place.polar(), self.polar_axes()) {
             (Some(polar), _) => self.axis_words(counted, shift, |act, axis| act.take_polar(polar, axis)),
             (None, None) => self.axis_words(counted, shift, Self::take_axis),
             (None, Some(flat)) => {
@@ -196,14 +199,14 @@ impl Act<'_, '_> {
             }
         }
         let (coded, target) = self.polar_end(coded, target);
-        self.channel_mut().ways_travelled(coded);
+        self.channel_mut().state.place.ways_travelled(coded);
         (coded, target)
     }
 
     /// Where a move to positions of the machine frame starts: on the contour, unless it goes without compensation.
     fn start_in_machine_frame(&mut self) -> Position {
-        if self.channel_mut().cutter().is_some_and(|cutter| !cutter.suspended) {
-            self.channel().contour()
+        if self.channel_mut().state.place.cutter().is_some_and(|cutter| !cutter.suspended) {
+            self.channel().state.place.contour()
         } else {
             self.channel().state.place.position
         }
@@ -278,13 +281,13 @@ impl Act<'_, '_> {
 
     /// A rapid move to a programmed point.
     pub(super) fn rapid_to_point(&mut self, coded: u8, target: Position) -> Acted {
-        let target = self.channel_mut().work_point(&target);
+        let target = self.channel_mut().state.place.work_point(&target);
         self.rapid_to(coded, target)
     }
 
     /// A straight feed move to a programmed point.
     pub(super) fn feed_to_point(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        let target = self.channel_mut().work_point(&target);
+        let target = self.channel_mut().state.place.work_point(&target);
         self.feed_to(coded, target, feed, unit)
     }
 
@@ -304,7 +307,7 @@ impl Act<'_, '_> {
 
     /// The same, along its path not faster than a feed per minute.
     pub(super) fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
-        if self.channel().is_compensated() {
+        if self.channel().state.place.is_compensated() {
             let step = Step { shape: Shape::Rapid, coded, to: target, feed, unit: FeedUnit::Rapid };
             return self.compensate(step);
         }
@@ -312,7 +315,7 @@ impl Act<'_, '_> {
         if target == from {
             return Ok(());
         }
-        let changes = self.channel().changes(&from, &target);
+        let changes = self.channel().state.place.changes(&from, &target);
         let mut seconds = self.rapid_seconds(&from, &target);
         if let Some(feed) = feed {
             let length = changes.iter().map(|change| change * change).sum::<f64>().sqrt();
@@ -338,7 +341,7 @@ impl Act<'_, '_> {
         if *target == from {
             return Ok(());
         }
-        let changes = self.channel().changes(&from, target);
+        let changes = self.channel().state.place.changes(&from, target);
         let weighs = self.channel().state.place.weighs;
         let square = |ways: &Position| ways.iter().map(|c| c * c).sum::<f64>();
         let feed_length = if weighs { square(&self.channel().feed_ways(&changes)) } else { square(&changes) }.sqrt();
@@ -354,7 +357,7 @@ impl Act<'_, '_> {
 
     #[cold]
     fn feed_in_frames(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        if self.channel().is_compensated() {
+        if self.channel().state.place.is_compensated() {
             // Without a coordinate nothing moves, though the tool is not where the program is.
             let step = Step { shape: Shape::Linear, coded, to: target, feed, unit };
             return if coded == 0 && !self.opens_line() { Ok(()) } else { self.compensate(step) };
@@ -371,7 +374,7 @@ impl Act<'_, '_> {
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.channel().seconds_of_group(self.at_rates(seconds, &from, &target, None), &changes);
         let length = self.feed_path(&changes, feed_length);
-        let moving = self.moving(coded, &self.channel().changes(&from, &target));
+        let moving = self.moving(coded, &self.channel().state.place.changes(&from, &target));
         let feed = (self.channel().feed_of_axes(feed, unit, &changes), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
     }
@@ -379,7 +382,7 @@ impl Act<'_, '_> {
     /// A straight move that a macro has changed: made again from its start.
     pub(crate) fn straight_again(&mut self, motion: &Motion, rapid: bool, to: Position) -> Acted {
         let from = self.channel().state.place.position;
-        let changes = self.channel().changes(&from, &to);
+        let changes = self.channel().state.place.changes(&from, &to);
         let length = self.tool_path(&changes);
         let moved = changes.iter().enumerate().filter(|(_, change)| **change != 0.0);
         let coded = moved.fold(motion.moving, |bits, (axis, _)| bits | 1 << axis);

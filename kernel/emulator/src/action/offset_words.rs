@@ -74,7 +74,9 @@ pub(super) fn at_reference(act: &mut Act<'_, '_>, axes: u8) {
     match act.channel().env.machine.compensation.length.at_reference {
         LengthThere::Stays => {}
         LengthThere::Off => take_off(act, axes),
-        LengthThere::Ends if act.channel().state.place.in_force.length_sign != 0.0 && act.channel().tip().is_none() => {
+        LengthThere::Ends
+            if act.channel().state.place.in_force.length_sign != 0.0 && act.channel().state.place.tip().is_none() =>
+        {
             let machine = act.channel().env.machine;
             let row = machine.codes.entries().find(|(_, row)| row.enable && row.id == codes::COMP_LENGTH_OFF);
             if let Some((place, row)) = row {
@@ -96,7 +98,7 @@ pub(super) fn in_machine_frame(act: &mut Act<'_, '_>, axes: u8) {
 }
 
 fn take_off(act: &mut Act<'_, '_>, axes: u8) {
-    if act.channel().tip().is_none() && act.channel_mut().take_length_off(axes) {
+    if act.channel().state.place.tip().is_none() && act.channel_mut().take_length_off(axes) {
         act.reframe();
     }
 }

@@ -159,5 +159,6 @@ fn radius(act: &mut Act<'_, '_>, table: Radii, number: u32) -> bool {
 
 /// A missing value changes nothing.
 fn tip(act: &mut Act<'_, '_>, number: u32) -> bool {
-    act.take(data::OFFSET_TIP).is_none_or(|datum| act.channel_mut().set_offset_tip(number, datum.value))
+    act.take(data::OFFSET_TIP)
+        .is_none_or(|datum| act.channel_mut().state.place.offsets.get_or_insert_default().set_tip(number, datum.value))
 }

@@ -65,11 +65,11 @@ fn pocket(act: &mut Act<'_, '_>) -> Acted {
         return refuse(act, &format!("the last pass K is {finish}, it must not be below 0"));
     }
     act.check_feed(feed.0)?;
-    let mut over = act.channel().programmed();
+    let mut over = act.channel().state.place.programmed();
     for axis in plane.axes {
         *over.at_mut(axis) = target.at(axis);
     }
-    let flat = plane.moved(&act.channel().programmed(), &over);
+    let flat = plane.moved(&act.channel().state.place.programmed(), &over);
     if flat != 0 {
         act.rapid_to_point(flat, over)?;
     }
@@ -115,7 +115,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, pocket: &Pocket, feed: (Option<f64>, Fe
     if area.add(outline.turned(turn).elements()).is_err() {
         return refuse(act, "its outline is not closed");
     }
-    let start = plane.point(&act.channel().programmed());
+    let start = plane.point(&act.channel().state.place.programmed());
     if side != inside || !outline.holds(start) {
         return refuse(
             act,
@@ -165,14 +165,14 @@ struct Cuts {
 impl Cuts {
     /// To a point at the return plane.
     fn over(&self, act: &mut Act<'_, '_>, spot: Spot) -> Acted {
-        let here = act.channel().programmed();
+        let here = act.channel().state.place.programmed();
         let to = self.plane.position(here, spot);
         let flat = self.plane.moved(&here, &to);
         if flat == 0 { Ok(()) } else { act.rapid_to_point(flat, to) }
     }
 
     fn height(&self, act: &mut Act<'_, '_>, height: f64) -> Acted {
-        let mut to = act.channel().programmed();
+        let mut to = act.channel().state.place.programmed();
         if to.at(self.z) == height {
             return Ok(());
         }
@@ -207,7 +207,7 @@ impl Cuts {
     }
 
     fn go(&self, act: &mut Act<'_, '_>, element: &Element) -> Acted {
-        let from = act.channel().programmed();
+        let from = act.channel().state.place.programmed();
         let to = self.plane.position(from, turned_by(element.to, -self.turn));
         let coded = self.plane.moved(&from, &to);
         let (feed, unit) = self.feed;

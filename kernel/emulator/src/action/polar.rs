@@ -35,7 +35,7 @@ const STEP: f64 = 2.0;
 
 /// Switches it on: words are coordinates, or radius and angle.
 pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
-    if act.channel().polar().is_some_and(|polar| polar.cartesian == cartesian && !polar.is_cylinder()) {
+    if act.channel().state.place.polar().is_some_and(|polar| polar.cartesian == cartesian && !polar.is_cylinder()) {
         return Ok(());
     }
     not_tilted(act)?;
@@ -48,8 +48,9 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
         act.diagnose(&diag::NO_POLAR_AXES, text);
         return Ok(());
     };
-    act.channel_mut().frames().polar = Some(Polar::new(&act.channel().state.place, linear, rotary, cartesian));
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames().polar =
+        Some(Polar::new(&act.channel().state.place, linear, rotary, cartesian));
+    act.channel_mut().state.place.frames_changed();
     super::cutter::plane_changed(act);
     act.channel_mut().emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
     Ok(())
@@ -57,7 +58,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
 
 /// In a tilted plane the linear axes follow the part, not the words one by one.
 pub(super) fn not_tilted(act: &mut Act<'_, '_>) -> Acted {
-    if act.channel().tilted().is_none() {
+    if act.channel().state.place.tilted().is_none() {
         return Ok(());
     }
     let text = format!("'{}' is not possible in a tilted plane", act.block_text());
@@ -69,7 +70,7 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     let Some(polar) = act.channel_mut().state.place.frames.as_deref_mut().and_then(|frames| frames.polar.take()) else {
         return Ok(());
     };
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames_changed();
     super::cutter::plane_changed(act);
     let text =
         if polar.is_cylinder() { "cylinder off".to_owned() } else { format!("c2p {} off", form(polar.cartesian)) };
@@ -89,7 +90,7 @@ fn axes(act: &Act<'_, '_>) -> Option<(AxisSlot, AxisSlot)> {
         return Some((linear, rotary));
     }
     let tables = [data::AXIS_CT, data::AXIS_CT2, data::AXIS_BT, data::AXIS_AT];
-    let rotary = tables.into_iter().find_map(|id| act.channel().axis_of_data(id))?;
+    let rotary = tables.into_iter().find_map(|id| act.channel().state.place.axis_of_data(id))?;
     Some((act.channel().state.place.layout.cartesian.first().copied().flatten()?, rotary))
 }
 
@@ -103,11 +104,11 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     if coded == 0 && radius.is_none() && offsets.iter().all(Option::is_none) {
         return Ok(());
     }
-    let (from, programmed) = (act.channel().contour(), act.channel().programmed());
-    let mut to = act.channel_mut().work_point(&target);
+    let (from, programmed) = (act.channel().state.place.contour(), act.channel().state.place.programmed());
+    let mut to = act.channel_mut().state.place.work_point(&target);
     // Words that are coordinates tell a circle of the local frame.
     let spots = if polar.cartesian && !polar.is_cylinder() {
-        [&programmed, &target].map(|point| act.channel().seen(point)).map(|[x, y, _]| [x, y])
+        [&programmed, &target].map(|point| act.channel().state.place.seen(point)).map(|[x, y, _]| [x, y])
     } else {
         [&from, &to].map(|point| polar.part(&act.channel().state.place, point))
     };
@@ -143,7 +144,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
         return Ok(());
     }
     let local = local.filter(|_| !polar.is_cylinder());
-    let level = act.channel().seen(&programmed)[2];
+    let level = act.channel().state.place.seen(&programmed)[2];
     let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
         let done = act.channel().becomes(&diag::ARC_SCALED, STRAIGHT);
         let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.block_text());
@@ -204,7 +205,9 @@ impl Act<'_, '_> {
         let path = Path { from: &from, to: &to, length: made.length(), arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.at_rates(seconds, &from, &to, Some(&made));
-        let moving = self.moving(coded, &self.channel().changes(&from, &to)) | polar.linear.bit() | polar.rotary.bit();
+        let moving = self.moving(coded, &self.channel().state.place.changes(&from, &to))
+            | polar.linear.bit()
+            | polar.rotary.bit();
         let feed = (feed.unwrap_or(0.0), unit);
         if polar.is_cylinder() {
             let side = usize::from(polar.axes()[1] == polar.linear);
@@ -235,7 +238,8 @@ impl Act<'_, '_> {
         // The words of the interpolation are radii.
         let scale = if polar.is_cylinder() { 1.0 } else { scale };
         let radius = own.and_then(|own| self.take(own)).map(|datum| Datum { value: datum.value / scale, ..datum });
-        let spare = axis == polar.rotary && polar.cartesian && self.channel().axis_of_data(data::AXIS_Y).is_none();
+        let spare =
+            axis == polar.rotary && polar.cartesian && self.channel().state.place.axis_of_data(data::AXIS_Y).is_none();
         let across = radius.or_else(|| if spare { self.take(data::AXIS_Y) } else { None });
         across.or_else(|| {
             // A word of the rotary axis itself is in degrees, but the value taken here is the length along the circle.
@@ -248,7 +252,7 @@ impl Act<'_, '_> {
     /// Length of a feed move on the part, or of its tool path.
     #[inline(always)]
     pub(super) fn feed_path(&self, changes: &Position, feed_length: f64) -> f64 {
-        if self.channel().state.place.frames.is_some() && self.channel().polar().is_some() {
+        if self.channel().state.place.frames.is_some() && self.channel().state.place.polar().is_some() {
             feed_length
         } else {
             self.tool_path(changes)

@@ -21,8 +21,8 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 fn switch(act: &mut Act<'_, '_>, on: bool) -> Acted {
     if on || act.channel().state.place.frames.is_some() {
-        act.channel_mut().frames().words = on.then(PolarWords::default);
-        act.channel_mut().frames_changed();
+        act.channel_mut().state.place.frames().words = on.then(PolarWords::default);
+        act.channel_mut().state.place.frames_changed();
     }
     super::mode::mode(act, if on { "polar words on" } else { "polar words off" })
 }
@@ -47,7 +47,7 @@ impl Act<'_, '_> {
             // An angle has no unit of length.
             angle: angle.map(|word| (word.raw, is_distance(&word))),
         };
-        self.channel_mut().frames().words = Some(words);
+        self.channel_mut().state.place.frames().words = Some(words);
         if radius.is_none() && angle.is_none() {
             return 0;
         }
@@ -60,7 +60,7 @@ impl Act<'_, '_> {
         let words = self.channel().state.place.frames.as_deref().and_then(|frames| frames.words);
         let words = words.filter(|words| words.radius.is_some() || words.angle.is_some());
         if let (Some(words), Some(axes)) = (words, self.polar_axes()) {
-            words.put(&self.channel().state.place, axes, &self.channel().programmed(), target);
+            words.put(&self.channel().state.place, axes, &self.channel().state.place.programmed(), target);
         }
     }
 
@@ -69,7 +69,7 @@ impl Act<'_, '_> {
         let words = self.channel_mut().state.place.frames.as_deref_mut().and_then(|frames| frames.words.take());
         let done = read(self);
         if words.is_some() {
-            self.channel_mut().frames().words = words;
+            self.channel_mut().state.place.frames().words = words;
         }
         done
     }

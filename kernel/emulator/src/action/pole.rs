@@ -24,7 +24,7 @@ enum From {
 
 fn set(act: &mut Act<'_, '_>, from: From) -> Acted {
     let from = match from {
-        From::Tool => act.channel().programmed(),
+        From::Tool => act.channel().state.place.programmed(),
         From::Zero => Default::default(),
         From::Pole => act.channel().state.arcs.pole,
     };

@@ -119,7 +119,7 @@ impl Act<'_, '_> {
     /// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
     #[cold]
     pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&Arc>) -> f64 {
-        if let Some(tip) = self.channel().tip() {
+        if let Some(tip) = self.channel().state.place.tip() {
             let seconds = match self.channel().state.others.tip.follow {
                 Some(limit) => {
                     let place = &self.channel().state.place;
@@ -136,7 +136,7 @@ impl Act<'_, '_> {
                 .filter(|t| t.is_finite())
                 .fold(seconds, f64::max);
         }
-        let Some(polar) = self.channel().polar() else { return seconds };
+        let Some(polar) = self.channel().state.place.polar() else { return seconds };
         let rate = self.channel().state.place.layout.axes[polar.rotary].rapid;
         let [start, end] = [from, to].map(|point| polar.part(&self.channel().state.place, point));
         let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), Arc::length);

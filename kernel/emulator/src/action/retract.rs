@@ -71,7 +71,7 @@ pub(super) fn go(act: &mut Act<'_, '_>, coded: u8, target: Position, rate: Rate)
 /// Retracts the tool along its axis; below zero up to the reference point of the axis that moves most, unless the tool is
 /// beyond that, or to the end of travel.
 pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
-    let mut machine = act.channel().machine_point(&act.channel().state.place.position);
+    let mut machine = act.channel().state.place.machine_point(&act.channel().state.place.position);
     let Some(along) = along(act, &machine) else { return Ok(()) };
     let axes: Vec<(AxisSlot, f64)> = {
         let layout = &act.channel().state.place.layout;
@@ -97,6 +97,6 @@ pub(super) fn retract(act: &mut Act<'_, '_>, way: f64, rate: Rate) -> Acted {
         *machine.at_mut(*axis) += part * way;
     }
     let coded = axes.iter().fold(0, |bits, (axis, _)| bits | axis.bit());
-    let target = act.channel().way_of_machine(&machine);
+    let target = act.channel().state.place.way_of_machine(&machine);
     go(act, coded, target, rate)
 }

@@ -188,8 +188,8 @@ fn set_speed(command: &mut Command, css: bool, speed: Option<f64>) {
 
 /// Speed that turns now, rev/min.
 fn held_speed(act: &mut Act<'_, '_>) -> Result<f64, Halt> {
-    let position = act.channel().contour();
-    let radius = act.channel().radius(&position);
+    let position = act.channel().state.place.contour();
+    let radius = act.channel().state.place.radius(&position);
     Ok(match act.spindle_speed()? {
         Some(turning) => turning.rpm(radius),
         None => act.channel().state.spindle.command.rpm,

@@ -106,10 +106,10 @@ fn define(act: &mut Act<'_, '_>, form: Form, add: bool) -> Acted {
     if !act.channel().can_tilt() {
         return Err(no_axes(act));
     }
-    if act.channel().polar().is_some() {
+    if act.channel().state.place.polar().is_some() {
         return Err(undefined(act, "interpolation on a face or a cylinder is active"));
     }
-    let map = act.channel().around_plane(add).after(&plane);
+    let map = act.channel().state.place.around_plane(add).after(&plane);
     // Feeds and lengths are those of the plane.
     if (map.determinant().abs() - 1.0).abs() > 1e-9 {
         return Err(undefined(act, "a plane does not lie in scaled coordinates"));
@@ -251,7 +251,13 @@ fn positions(act: &mut Act<'_, '_>) -> Turned {
         words = numbers(act).to_vec();
     }
     let position = |(axis, word): (&AxisSlot, Option<f64>)| {
-        (*axis, word.map_or_else(|| act.channel().stand(*axis).at, |word| act.channel().machine_angle(*axis, word)))
+        (
+            *axis,
+            word.map_or_else(
+                || act.channel().state.place.stand(*axis).at,
+                |word| act.channel().state.place.machine_angle(*axis, word),
+            ),
+        )
     };
     axes.iter().zip(words).map(position).collect()
 }
@@ -265,7 +271,7 @@ fn parts(
 ) -> Result<Option<Defined>, Halt> {
     let last = if points { 3 } else { 2 };
     let started = forget_parts(act);
-    if started.is_none() && act.channel().tilted().is_some() {
+    if started.is_none() && act.channel().state.place.tilted().is_some() {
         return Err(undefined(act, "a plane is active already"));
     }
     if started.as_ref().is_some_and(|started| started.points != points) {
@@ -294,7 +300,7 @@ fn parts(
         all.rotation = rotation;
     }
     if part < f64::from(last) {
-        act.channel_mut().frames().parts = Some(Box::new(all));
+        act.channel_mut().state.place.frames().parts = Some(Box::new(all));
         return Ok(None);
     }
     let point = |at: usize| -> Point {
@@ -320,13 +326,13 @@ fn parts(
 /// Takes away the blocks of a definition that is not complete.
 fn forget_parts(act: &mut Act<'_, '_>) -> Option<Box<Parts>> {
     let parts = act.channel_mut().state.place.frames.as_deref_mut()?.parts.take()?;
-    act.channel_mut().frames_changed();
+    act.channel_mut().state.place.frames_changed();
     Some(parts)
 }
 
 /// Turns the rotary axes into the plane; `keep`: a point so far behind the tip keeps its place on the part.
 fn turn(act: &mut Act<'_, '_>, keep: Option<f64>) -> Acted {
-    let known = act.channel().tilted().map(|tilt| (*tilt.map(), tilt.angles.clone()));
+    let known = act.channel().state.place.tilted().map(|tilt| (*tilt.map(), tilt.angles.clone()));
     let angles = match known {
         Some((_, Some(angles))) => Ok(angles),
         Some((map, None)) => act.channel().angles_into(&map),
@@ -342,24 +348,24 @@ fn turn(act: &mut Act<'_, '_>, keep: Option<f64>) -> Acted {
     if let Some(way) = act.take(data::TILT_RETRACT).map(|datum| datum.value) {
         retract(act, way, feed)?;
     }
-    let own = act.channel().tip().is_some();
+    let own = act.channel().state.place.tip().is_some();
     let lifted = act.channel_mut().lift_plane();
     if let Some(behind) = keep.filter(|_| !own) {
         act.channel_mut().keep_tip(behind, false);
     }
     let mut coded = 0;
-    let target = if act.channel().tip().is_some() {
+    let target = if act.channel().state.place.tip().is_some() {
         let mut target = act.channel().state.place.position;
         for (axis, angle) in &angles {
             *target.at_mut(*axis) = angle - act.channel().state.place.shift.at(*axis);
         }
         target
     } else {
-        let mut machine = act.channel().machine_point(&act.channel().state.place.position);
+        let mut machine = act.channel().state.place.machine_point(&act.channel().state.place.position);
         for (axis, angle) in &angles {
             *machine.at_mut(*axis) = *angle;
         }
-        act.channel().way_of_machine(&machine)
+        act.channel().state.place.way_of_machine(&machine)
     };
     for (axis, _) in &angles {
         coded |= axis.bit();
@@ -386,7 +392,9 @@ impl Act<'_, '_> {
 
     /// The plane in the words of the listing: its zero and the directions of its X and Z in the frame around it.
     pub(crate) fn tilt_text(&self) -> String {
-        let Some(map) = self.channel().tilted().map(|tilt| *tilt.map()) else { return "tilt off".to_owned() };
+        let Some(map) = self.channel().state.place.tilted().map(|tilt| *tilt.map()) else {
+            return "tilt off".to_owned();
+        };
         let list = |point: Point| point.map(|value| wildcard_text((value * 1e6).round() / 1e6 + 0.0)).join(",");
         let mut zero = map.point([0.0; 3]);
         for (role, slot) in zero.iter_mut().enumerate() {

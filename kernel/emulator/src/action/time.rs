@@ -36,10 +36,13 @@ pub(super) struct Path<'a> {
 impl Act<'_, '_> {
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = if !self.channel().couples() {
-            self.channel().changes(from, to)
+        let changes = if !self.channel().state.place.couples() {
+            self.channel().state.place.changes(from, to)
         } else {
-            self.channel().changes(&self.channel().machine_point(from), &self.channel().machine_point(to))
+            self.channel()
+                .state
+                .place
+                .changes(&self.channel().state.place.machine_point(from), &self.channel().state.place.machine_point(to))
         };
         match self.channel().env.machine.time.rapid {
             RapidPath::SlowestAxis => self
@@ -152,7 +155,7 @@ impl Act<'_, '_> {
         if !exact || self.channel().emitter.has_pace() {
             return path.length / speed;
         }
-        let changes = self.channel().changes(path.from, path.to);
+        let changes = self.channel().state.place.changes(path.from, path.to);
         let mut acceleration = f64::INFINITY;
         for (axis, change) in self.channel().state.place.layout.axes.iter().zip(&changes) {
             if *change != 0.0
@@ -182,7 +185,7 @@ impl Act<'_, '_> {
             Turning::Surface(surface) => match path.arc {
                 Some((arc, Some(radial))) => surface.arc_minutes(arc, radial, feed) * path.length / arc.length(),
                 _ => {
-                    let [start, end] = [path.from, path.to].map(|p| self.channel().radius(p));
+                    let [start, end] = [path.from, path.to].map(|p| self.channel().state.place.radius(p));
                     surface.line_minutes(start, end, path.length, feed)
                 }
             },

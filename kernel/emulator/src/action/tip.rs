@@ -73,7 +73,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
 
 /// Switches tool tip control off. A move that compensation holds back has points of the tip, so it is executed first.
 pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
-    if act.channel().tip().is_some() {
+    if act.channel().state.place.tip().is_some() {
         act.flush_lookahead()?;
     }
     if act.channel_mut().end_tip() {
@@ -127,7 +127,7 @@ impl Act<'_, '_> {
         (coded, target): (u8, Position),
         go: impl FnOnce(&mut Self, u8, Position) -> Acted,
     ) -> Acted {
-        match self.channel().tip() {
+        match self.channel().state.place.tip() {
             Some(_) if self.channel().state.others.tip.method == AT_ENDS => self.straight_at_ends((coded, target), go),
             _ => go(self, coded, target),
         }
@@ -146,19 +146,19 @@ impl Act<'_, '_> {
         if of(true).all(|(slot, _)| from.at(slot) == target.at(slot)) {
             return go(self, coded, target);
         }
-        if self.channel().is_compensated() {
+        if self.channel().state.place.is_compensated() {
             let text = format!("rotary axes cannot turn under compensation of the radius in '{}'", self.block_text());
             return Err(self.alarm(&diag::REFUSED, text));
         }
-        let mut machine = self.channel().machine_point(&target);
+        let mut machine = self.channel().state.place.machine_point(&target);
         if of(false).all(|(slot, _)| coded & slot.bit() == 0) {
-            let stands = self.channel().machine_point(&from);
+            let stands = self.channel().state.place.machine_point(&from);
             for (slot, _) in of(false) {
                 *machine.at_mut(slot) = stands.at(slot);
             }
         }
         self.channel_mut().end_tip();
-        let target = self.channel().point_of_machine(&machine);
+        let target = self.channel().state.place.point_of_machine(&machine);
         let done = go(self, coded, target);
         self.channel_mut().start_tip(false);
         done
@@ -170,7 +170,7 @@ impl Act<'_, '_> {
     pub(super) fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
         let format = self.channel().state.others.tip.format;
         let words = usize::from(format).checked_sub(2).and_then(|at| WORDS.get(at)).copied();
-        let (Some(words), Some(_)) = (words, self.channel().tip()) else { return (coded, target) };
+        let (Some(words), Some(_)) = (words, self.channel().state.place.tip()) else { return (coded, target) };
         let given = words.map(|id| self.take(id).map(|datum| datum.value));
         if given.iter().all(Option::is_none) {
             return (coded, target);
@@ -191,7 +191,7 @@ impl Act<'_, '_> {
         if let Some(slot) = self.channel_mut().state.others.tip.words.get_mut(usize::from(format)) {
             *slot = values;
         }
-        let tip = self.channel().state.place.geometry(&self.channel().program_point(&target));
+        let tip = self.channel().state.place.geometry(&self.channel().state.place.program_point(&target));
         let wanted = direction(format, values, tip);
         let wanted = wanted.map(|wanted| match self.channel().state.place.frames.as_deref() {
             Some(frames) => frames.direction(wanted),
@@ -215,10 +215,10 @@ impl Act<'_, '_> {
     pub(crate) fn shortest(&self, direction: Point) -> Option<Vec<(AxisSlot, f64)>> {
         let chain = self.channel().chain();
         let rule = Rule { turns: Turns::Nearest, way: Way::Least, side: None, free: Free::Stays };
-        let pairs = chain.pairs(direction, &rule, |axis| self.channel().stand(axis));
+        let pairs = chain.pairs(direction, &rule, |axis| self.channel().state.place.stand(axis));
         let any = !pairs.iter().any(|pair| pair.inside);
         let pick = pairs.iter().filter(|pair| any || pair.inside);
-        let chosen = chain.choose(pick, &rule, |axis| self.channel().stand(axis))?;
+        let chosen = chain.choose(pick, &rule, |axis| self.channel().state.place.stand(axis))?;
         let work = |(axis, angle): &(AxisSlot, f64)| {
             let stands = self.channel().state.place.position.at(*axis);
             (*axis, clean(angle - self.channel().state.place.shift.at(*axis), stands) + 0.0)

@@ -42,7 +42,7 @@ pub(super) fn circle(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle) -> Ac
         act.diagnose(&diag::ARC_SCALED, text);
         return act.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
     };
-    let work = act.channel().contour();
+    let work = act.channel().state.place.contour();
     match roles(&sides) {
         Some(roles) => flat(act, &map, (plane, roles), (circle, sides.scale), work),
         None => leaning(act, plane, circle, sides.scale),
@@ -99,7 +99,7 @@ fn flat(
 ) -> Acted {
     let axes = roles.map(|role| act.channel().state.place.layout.cartesian.get(role).copied().flatten());
     let [Some(first), Some(second)] = axes else { return Ok(()) };
-    let to = act.channel_mut().work_point(&circle.to);
+    let to = act.channel_mut().state.place.work_point(&circle.to);
     let mut middle = act.channel().state.place.geometry(&circle.from);
     for (role, value) in [plane.first, plane.second].into_iter().zip(circle.made.center) {
         if let Some(slot) = middle.get_mut(role) {

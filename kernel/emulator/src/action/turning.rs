@@ -51,7 +51,7 @@ impl Act<'_, '_> {
         let as_written =
             turn == Turn::Position && self.channel().state.modal.code(SHORTEST) != Some(codes::ANGLES_SHORTEST);
         // Polar interpolation takes the word as a length.
-        if as_written || self.channel().polar().is_some() {
+        if as_written || self.channel().state.place.polar().is_some() {
             return word - away;
         }
         let angle = if turn == Turn::Sign { word.abs() } else { word };

@@ -78,17 +78,17 @@ pub struct Actions {
 impl Kernel<'_> {
     /// Finishes the move that compensation keeps back, without knowing the next one.
     pub(crate) fn flush_lookahead(&mut self) -> Acted {
-        if self.channel.is_compensated() { (self.plan.actions.flush_lookahead)(self) } else { Ok(()) }
+        if self.channel.state.place.is_compensated() { (self.plan.actions.flush_lookahead)(self) } else { Ok(()) }
     }
 
     /// Finishes a move that compensation has kept back too long, or, at a hole, one with a corner at its end.
     pub(crate) fn flush_old(&mut self) -> Acted {
-        if self.channel.is_compensated() { (self.plan.actions.flush_due)(self, false) } else { Ok(()) }
+        if self.channel.state.place.is_compensated() { (self.plan.actions.flush_due)(self, false) } else { Ok(()) }
     }
 
     /// The program has ended: the move that is kept back is made, unless the job has been stopped.
     pub(crate) fn end_compensation(&mut self, halt: Halt) -> Halt {
-        if self.channel.is_compensated() { (self.plan.actions.end_compensation)(self, halt) } else { halt }
+        if self.channel.state.place.is_compensated() { (self.plan.actions.end_compensation)(self, halt) } else { halt }
     }
 
     /// A macro has made another code of compensation active.

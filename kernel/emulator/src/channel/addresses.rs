@@ -42,7 +42,7 @@ impl Kernel<'_> {
             b'O' => f64::from(self.running_program()),
             b'X' | b'Y' | b'Z' => {
                 let slot = system_variables::tool_axis(&self.channel.state.place, letter - b'X');
-                slot.map_or(0.0, |slot| channel.programmed().at(slot) / self.length_factor(slot))
+                slot.map_or(0.0, |slot| channel.state.place.programmed().at(slot) / self.length_factor(slot))
             }
             b'P' => f64::from(place.in_force.work_offset.saturating_sub(EXTENDED)),
             _ => 0.0,

@@ -153,20 +153,20 @@ impl Kernel<'_> {
     /// Place of an axis in the machine frame, geometry units.
     pub(super) fn place_of(&self, slot: AxisSlot) -> f64 {
         let place = &self.channel.state.place;
-        self.channel.machine_point(&place.position).at(slot) * place.layout.axes[slot].scale
+        self.channel.state.place.machine_point(&place.position).at(slot) * place.layout.axes[slot].scale
     }
 
     /// Sets an axis to a position of the machine frame, geometry units. Returns it if the position has changed.
     pub(super) fn put(&mut self, slot: AxisSlot, place: f64) -> Option<Moved> {
         let from = self.channel.state.place.position;
-        let mut machine = self.channel.machine_point(&self.channel.state.place.position);
+        let mut machine = self.channel.state.place.machine_point(&self.channel.state.place.position);
         let (before, after) = (machine.at(slot), place / self.channel.state.place.layout.axes[slot].scale);
         if before == after {
             return None;
         }
         *machine.at_mut(slot) = after;
-        self.channel.state.place.position = self.channel.way_of_machine(&machine);
-        if let Some(cutter) = self.channel.cutter() {
+        self.channel.state.place.position = self.channel.state.place.way_of_machine(&machine);
+        if let Some(cutter) = self.channel.state.place.cutter() {
             *cutter.contour.at_mut(slot) += after - before;
         }
         Some(Moved { slot, from })

@@ -33,7 +33,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn share_course(&mut self, seconds: f64, motion: &Motion) -> Result<bool, diag::Halt> {
         let (command, channel) = (self.channel.state.spindle.command, self.channel.at.channel);
-        let radii = [&motion.from, &motion.to].map(|place| self.channel.radius(place));
+        let radii = [&motion.from, &motion.to].map(|place| self.channel.state.place.radius(place));
         let drives = command.css && command.driver == channel && command.radius <= 0.0 && command.surface > 0.0;
         let Some(id) = self.channel.state.spindle.id.filter(|_| drives && seconds > 0.0) else { return Ok(false) };
         if (radii[0] - radii[1]).abs() < SAME_RADIUS {

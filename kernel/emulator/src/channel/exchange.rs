@@ -69,7 +69,7 @@ impl Kernel<'_> {
         let slots = self.channel.state.place.layout.exchanged;
         let channel = self.channel.at.channel;
         let end_ns = self.channel.at.clock + crate::state::at::nanoseconds(seconds);
-        let to = self.channel.machine_point(&motion.to);
+        let to = self.channel.state.place.machine_point(&motion.to);
         let in_exchange = |slot: &AxisSlot| slots & slot.bit() != 0;
         for slot in self.channel.state.place.layout.axes.ids().filter(in_exchange).collect::<Vec<_>>() {
             if !moves(motion, slot) {
@@ -119,9 +119,9 @@ impl Kernel<'_> {
         let slot = self.channel.state.place.layout.axes.find(|own| own.machine == axis);
         if let Some((moved, slot)) = moved.filter(|moved| moved.by != channel).zip(slot) {
             let place = self.channel.state.place.position;
-            let mut machine = self.channel.machine_point(&place);
+            let mut machine = self.channel.state.place.machine_point(&place);
             *machine.at_mut(slot) = moved.to;
-            self.channel.state.place.position = self.channel.point_of_machine(&machine);
+            self.channel.state.place.position = self.channel.state.place.point_of_machine(&machine);
         }
         Ok(())
     }

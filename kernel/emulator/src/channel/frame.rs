@@ -25,7 +25,7 @@ impl Kernel<'_> {
     /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
     pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
         self.channel.hold_length(table, number);
-        let stored = self.channel.store_offset(table, number, values);
+        let stored = self.channel.state.place.offsets.get_or_insert_default().store(table, number, values);
         if stored {
             self.reframe();
         }
@@ -35,7 +35,13 @@ impl Kernel<'_> {
     /// Makes the sum of all offsets active; the machine does not move.
     pub(crate) fn reframe(&mut self) {
         let wanted = self.channel.wanted_shift();
-        let turn = self.channel.offset_turn(self.channel.state.place.in_force.work_offset);
+        let turn = self
+            .channel
+            .state
+            .place
+            .offsets
+            .as_deref()
+            .and_then(|offsets| offsets.turn(self.channel.state.place.in_force.work_offset));
         let turned = self.channel.state.place.frames.as_deref().and_then(|frames| frames.local.outer());
         let turns = turn.as_ref() != turned;
         if wanted == self.channel.state.place.shift && !turns {
@@ -52,7 +58,7 @@ impl Kernel<'_> {
                 channel.state.place.shift = wanted;
                 if turns {
                     let has = channel.state.place.has_axes();
-                    refused = channel.frames().local.turn(turn, has).err();
+                    refused = channel.state.place.frames().local.turn(turn, has).err();
                 }
                 channel.refresh_tip();
                 channel.refresh_tilt();
@@ -77,7 +83,7 @@ impl Kernel<'_> {
             }
             self.channel.state.place.shift = wanted;
         }
-        self.channel.keep_ways(before);
+        self.channel.state.place.keep_ways(before);
         self.channel.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
     }
 
@@ -102,18 +108,18 @@ impl Kernel<'_> {
     /// Takes whole turns off the position of an axis; nothing moves.
     pub(crate) fn unwind_axis(&mut self, axis: AxisSlot, modulo: Modulo) {
         self.flush_for_macro();
-        let mut machine = self.channel.machine_point(&self.channel.state.place.position);
+        let mut machine = self.channel.state.place.machine_point(&self.channel.state.place.position);
         let slot = machine.at_mut(axis);
         let (before, after) = (*slot, modulo.of(*slot));
         if before == after {
             return;
         }
         *slot = after;
-        self.channel.state.place.position = self.channel.way_of_machine(&machine);
-        if let Some(cutter) = self.channel.cutter() {
+        self.channel.state.place.position = self.channel.state.place.way_of_machine(&machine);
+        if let Some(cutter) = self.channel.state.place.cutter() {
             *cutter.contour.at_mut(axis) += after - before;
         }
-        self.channel.frames_changed();
+        self.channel.state.place.frames_changed();
         let text =
             format!("unwind {}={}", self.channel.axis_name(axis), counterpoint_lang::format::wildcard_text(after));
         self.channel.emit(0, Kind::mode(text));

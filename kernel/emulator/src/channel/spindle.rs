@@ -173,7 +173,7 @@ impl Kernel<'_> {
 
     /// Speed that turns now, 0 when the spindle is stopped.
     pub(super) fn turning_speed(&mut self) -> Result<f64, Halt> {
-        let radius = self.channel.radius(&self.channel.state.place.position);
+        let radius = self.channel.state.place.radius(&self.channel.state.place.position);
         let rpm = self.spindle_speed()?.map_or(0.0, |turning| turning.rpm(radius));
         Ok(if rpm.is_finite() { rpm } else { 0.0 })
     }

@@ -157,10 +157,10 @@ impl Kernel<'_> {
                 kept.kept(number, 0.0) + if inch { f64::from(INCH) } else { 0.0 }
             }
             Means::Mirrors => {
-                let mirror = self.channel.frame_values().mirror;
+                let mirror = self.channel.state.place.frame_values().mirror;
                 let linear: f64 =
                     mirror.iter().zip([1.0, 2.0, 4.0]).filter(|(on, _)| **on != 0.0).map(|(_, bit)| bit).sum();
-                linear + f64::from(self.channel.beside_mirrors())
+                linear + f64::from(self.channel.state.place.beside_mirrors())
             }
             Means::MainProgram => f64::from(self.main_number()),
             Means::Modal(groups) => self.modal_word(*groups.get(at as usize)?),
@@ -207,9 +207,9 @@ impl Kernel<'_> {
         };
         let values = match frame {
             Frame::Local => local_shift(&self.channel),
-            Frame::BlockEnd => channel.programmed(),
-            Frame::Machine => channel.machine_point(&channel.state.place.position),
-            Frame::Work => sum(channel.programmed(), channel.tool_shift()),
+            Frame::BlockEnd => channel.state.place.programmed(),
+            Frame::Machine => channel.state.place.machine_point(&channel.state.place.position),
+            Frame::Work => sum(channel.state.place.programmed(), channel.tool_shift()),
             Frame::Skip => sum(channel.state.skip.end, channel.tool_shift()),
             Frame::Tool => channel.tool_shift(),
             Frame::Wear => self.in_force(Table::Wear),
@@ -218,7 +218,7 @@ impl Kernel<'_> {
         };
         let places = matches!(frame, Frame::BlockEnd | Frame::Machine | Frame::Work | Frame::Skip);
         let rolls = channel.env.machine.axes[layout.axes[slot].machine].turn != Turn::Position;
-        if places && rolls && channel.polar().is_none() {
+        if places && rolls && channel.state.place.polar().is_none() {
             // The control counts the angle alone.
             return Some(values.at(slot).rem_euclid(360.0));
         }
@@ -279,7 +279,7 @@ impl Kernel<'_> {
             }
             Column::Radius => self.channel.set_offset_radius(radii, number, value * length),
             Column::Diameter => self.channel.set_offset_radius(radii, number, value * length / 2.0),
-            Column::Tip => self.channel.set_offset_tip(number, value),
+            Column::Tip => self.channel.state.place.offsets.get_or_insert_default().set_tip(number, value),
         };
         if done { Ok(()) } else { Err(NotThere::TooBig) }
     }
@@ -343,8 +343,8 @@ fn month_days(year: u32, month: u32) -> u32 {
 }
 
 fn local_shift(channel: &Channel<'_>) -> Position {
-    let mut values = channel.beside_shift();
-    let shift = channel.frame_values().translation;
+    let mut values = channel.state.place.beside_shift();
+    let shift = channel.state.place.frame_values().translation;
     for (slot, value) in channel.state.place.layout.cartesian.iter().zip(shift) {
         if let Some(slot) = slot {
             *values.at_mut(*slot) = value;

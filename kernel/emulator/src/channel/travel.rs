@@ -117,13 +117,17 @@ impl Kernel<'_> {
             MotionKind::ArcSpace => swings_beyond_in_space(&self.channel, motion, limits),
             MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => None,
         });
-        if over.is_none() && self.channel.tip().is_some() { self.follows_beyond(motion, limits) } else { over }
+        if over.is_none() && self.channel.state.place.tip().is_some() {
+            self.follows_beyond(motion, limits)
+        } else {
+            over
+        }
     }
 
     /// The linear axes follow the rotary ones under tool tip control: looks at places along the move.
     #[cold]
     fn follows_beyond(&self, motion: &Motion, limits: Limits) -> Option<Over> {
-        let chain = &self.channel.tip()?.chain;
+        let chain = &self.channel.state.place.tip()?.chain;
         let joints = chain.tables.iter().chain(&chain.heads).map(|joint| joint.axis);
         let turned: f64 = joints.map(|axis| (motion.to.at(axis) - motion.from.at(axis)).abs()).sum();
         if turned == 0.0 {
@@ -143,7 +147,7 @@ impl Kernel<'_> {
     fn check_stored_area(&mut self, motion: &Motion) {
         let Some(area) = self.channel.state.place.stored.as_deref().copied().filter(|area| area.on) else { return };
         let at = |place: &Position| {
-            let machine = self.channel.machine_point(place);
+            let machine = self.channel.state.place.machine_point(place);
             self.channel.state.place.layout.cartesian.map(|axis| axis.map(|axis| machine.at(axis)))
         };
         let round = match motion.kind {
@@ -254,7 +258,7 @@ fn stays_within_travel(channel: &Channel<'_>, motion: &Motion) -> bool {
     else {
         return false;
     };
-    let mut within = !channel.couples();
+    let mut within = !channel.state.place.couples();
     for ((to, shift), nearness) in to.iter().zip(shift).zip(&place.layout.bounds.nearness) {
         within &= ((to + shift).abs() + swing) * nearness <= 1.0;
     }
@@ -264,7 +268,7 @@ fn stays_within_travel(channel: &Channel<'_>, motion: &Motion) -> bool {
 /// The last axis of the channel that is beyond its limits at a place.
 fn beyond(channel: &Channel<'_>, place: &Position, slack: f64, limits: Limits) -> Option<Over> {
     let point = match limits {
-        Limits::Travel => channel.machine_point(place),
+        Limits::Travel => channel.state.place.machine_point(place),
         Limits::Area => channel.basic_point(place)?,
     };
     let layout = &channel.state.place.layout;

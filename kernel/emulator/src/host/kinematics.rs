@@ -39,7 +39,7 @@ fn halves([x, y, z, i, j, k]: Six) -> (Point, Point) {
 
 /// Machine positions of `$XM` where the axes are.
 fn machine_now(channel: &Channel<'_>) -> Position {
-    let mut at = channel.machine_point(&channel.state.place.position);
+    let mut at = channel.state.place.machine_point(&channel.state.place.position);
     for ((slot, shift), preset) in at.iter_mut().zip(&channel.state.place.shift).zip(&channel.state.place.preset) {
         *slot += preset - shift;
     }
@@ -104,7 +104,7 @@ pub(crate) fn backward(channel: &Channel<'_>, arguments: &[Value]) -> Outcome<Va
     let all: Vec<Angles<AxisSlot>> = if chain.tables.is_empty() && chain.heads.is_empty() {
         vec![Vec::new()]
     } else {
-        chain.solve(direction).iter().map(|one| channel.near(one)).collect()
+        chain.solve(direction).iter().map(|one| channel.state.place.near(one)).collect()
     };
     let reached: Vec<Six> = all.iter().map(|solution| machine_positions(channel, &chain, solution, point)).collect();
     let chosen = chosen(channel, &all, &reached, number).and_then(|at| reached.get(at));
@@ -149,7 +149,7 @@ fn machine_positions(channel: &Channel<'_>, chain: &Chain<AxisSlot>, solution: &
 /// solutions the one with the shortest travel of the linear axes), 2 the other solution.
 fn chosen(channel: &Channel<'_>, all: &[Angles<AxisSlot>], reached: &[Six], number: f64) -> Option<usize> {
     if number != 1.0 && number != 2.0 {
-        return all.iter().position(|one| channel.within(one)).or((!all.is_empty()).then_some(0));
+        return all.iter().position(|one| channel.state.place.within(one)).or((!all.is_empty()).then_some(0));
     }
     let [x, y, z, ..] = by_elements(&channel.state.place, &machine_now(channel));
     let way = |[a, b, c, ..]: &Six| (a - x).hypot(b - y).hypot(c - z);
@@ -159,7 +159,7 @@ fn chosen(channel: &Channel<'_>, all: &[Angles<AxisSlot>], reached: &[Six], numb
         .iter()
         .zip(reached)
         .enumerate()
-        .map(|(at, (one, six))| (rounded(channel.turned(one)), rounded(way(six)), at))
+        .map(|(at, (one, six))| (rounded(channel.state.place.turned(one)), rounded(way(six)), at))
         .collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let wanted = if number == 2.0 { sorted.last() } else { sorted.first() };
@@ -170,17 +170,17 @@ fn chosen(channel: &Channel<'_>, all: &[Angles<AxisSlot>], reached: &[Six], numb
 fn change_kinematics(channel: &mut Channel<'_>, change: impl FnOnce(&mut crate::state::frames::tip::Settings)) -> bool {
     let before = channel.state.others.tip.clone();
     change(&mut channel.state.others.tip);
-    if channel.tip().is_none() {
+    if channel.state.place.tip().is_none() {
         return true;
     }
     if !channel.chain().is_possible() {
         channel.state.others.tip = before;
         return false;
     }
-    let machine = channel.machine_point(&channel.state.place.position);
+    let machine = channel.state.place.machine_point(&channel.state.place.position);
     channel.refresh_tip();
-    channel.state.place.position = channel.point_of_machine(&machine);
-    channel.frames_changed();
+    channel.state.place.position = channel.state.place.point_of_machine(&machine);
+    channel.state.place.frames_changed();
     true
 }
 

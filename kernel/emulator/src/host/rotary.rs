@@ -59,8 +59,9 @@ impl Kernel<'_> {
 
 /// The axis that the arguments from `at` on name, and how many of them do; none for anything else.
 pub(crate) fn named_axis(channel: &Channel<'_>, arguments: &[Value], at: usize) -> Option<(Named, usize)> {
-    let found =
-        |ids: &[DataId]| ids.iter().find_map(|id| channel.axis_of_data(*id)).map_or(Named::Missing, Named::Axis);
+    let found = |ids: &[DataId]| {
+        ids.iter().find_map(|id| channel.state.place.axis_of_data(*id)).map_or(Named::Missing, Named::Axis)
+    };
     let first = arguments.get(at)?;
     if let Value::Real(number) = first {
         let ids: &[DataId] = match *number {

@@ -104,7 +104,7 @@ impl Kernel<'_> {
         self.check_nesting(|| what.to_string())?;
         let here = self.channel.at.file;
         let file = self.flow.frame().map_or(here, |frame| frame.file);
-        let back = back.map(|off| Box::new((self.channel.programmed(), off)));
+        let back = back.map(|off| Box::new((self.channel.state.place.programmed(), off)));
         let range = Range { number: None, first: first.line, last: last.line };
         let name = match &what {
             Callee::Named(name) => Arc::clone(name),
@@ -127,7 +127,7 @@ impl Kernel<'_> {
             self.channel.text.edited = None;
         }
         if *off != 0 {
-            let mut first = self.channel.programmed();
+            let mut first = self.channel.state.place.programmed();
             for (index, (slot, back)) in first.iter_mut().zip(*back).enumerate() {
                 *slot = if off & 1 << index == 0 { *slot } else { back };
             }
@@ -184,7 +184,7 @@ impl Kernel<'_> {
     fn reading(&mut self, plane: Option<LathePlane>, blocks: impl FnOnce(&mut Self) -> Acted) -> Result<Reading, Halt> {
         let Some(plan) = self.plan.reading.as_deref() else { return Ok(Reading::default()) };
         let outer_plan = std::mem::replace(&mut self.plan, plan);
-        let start = self.channel.programmed();
+        let start = self.channel.state.place.programmed();
         let place = &mut self.channel.state.place;
         let place = (std::mem::replace(&mut place.position, start), place.frames.take());
         let (modal, remembered) = (self.channel.state.modal.clone(), self.channel.state.remembered.clone());

@@ -129,7 +129,7 @@ impl Kernel<'_> {
             );
         } else if axis && self.channel.state.modal.code(group::MOTION).is_none() {
             self.diagnose(&diag::NO_MOTION_MODE, format!("no motion code is active for {word} in '{block}'"));
-        } else if direction && self.channel.tip().is_none() {
+        } else if direction && self.channel.state.place.tip().is_none() {
             self.diagnose(
                 &diag::TIP_WORDS_ALONE,
                 format!("tool centre point control is not active for {word} in '{block}'; the word is ignored"),

@@ -51,7 +51,7 @@ impl Kernel<'_> {
         let sign = said.or_else(|| {
             word.filter(|_| in_force.length_sign != 0.0 && self.number_is_free()).map(|_| in_force.length_sign)
         })?;
-        if sign == 0.0 && self.channel.tip().is_some_and(|tip| tip.with_length) {
+        if sign == 0.0 && self.channel.state.place.tip().is_some_and(|tip| tip.with_length) {
             return None;
         }
         let slot = self.channel.state.place.layout.cartesian.get(2).copied().flatten()?;

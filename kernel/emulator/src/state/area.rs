@@ -60,7 +60,7 @@ impl Channel<'_> {
 
     /// A place of the work frame in the basic coordinate system, where the tip of the tool is; none in a tilted plane.
     pub(crate) fn basic_point(&self, work: &Position) -> Option<Position> {
-        if self.tilted().is_some() {
+        if self.state.place.tilted().is_some() {
             return None;
         }
         let (mut point, tool) = (*work, self.tool_shift());

@@ -36,9 +36,9 @@ impl Beside {
 impl Channel<'_> {
     /// An axis goes to a position of the program, at a feed per minute or rapidly.
     pub(crate) fn go_beside(&mut self, axis: AxisSlot, to: f64, feed: Option<f64>) {
-        let mut point = self.programmed();
+        let mut point = self.state.place.programmed();
         *point.at_mut(axis) = to;
-        let target = self.work_point(&point).at(axis);
+        let target = self.state.place.work_point(&point).at(axis);
         let from = self.state.place.position.at(axis);
         let of = &self.state.place.layout.axes[axis];
         let speed = feed.map_or(of.rapid, |feed| (feed / 60.0).min(of.rapid));
@@ -65,7 +65,7 @@ impl Channel<'_> {
     }
 
     fn way_beside(&self, from: &Position, to: &Position) -> f64 {
-        let changes = self.changes(from, to);
+        let changes = self.state.place.changes(from, to);
         let sum = |rotary: bool| {
             let axes = self.state.place.layout.axes.iter().zip(&changes).filter(|(axis, _)| axis.rotary == rotary);
             axes.map(|(_, change)| change * change).sum::<f64>()

@@ -191,7 +191,7 @@ impl Channel<'_> {
     #[inline(never)]
     fn rest_now(&mut self) {
         let late = self.emitter.rest(&mut self.at, &mut self.state.move_times());
-        self.delay_waiting_moves(late);
+        self.state.place.delay_waiting_moves(late);
     }
 
     /// Times the moves that can be timed, before a block; if these are all moves, sets the clock.
@@ -205,7 +205,7 @@ impl Channel<'_> {
     #[inline(never)]
     fn set_pace(&mut self) {
         let late = self.emitter.keep_pace(&mut self.at, &mut self.state.move_times());
-        self.delay_waiting_moves(late);
+        self.state.place.delay_waiting_moves(late);
     }
 }
 

@@ -3,6 +3,7 @@
 //! Invariant: `Place::clamped` is zero unless an axis is clamped, so a motion only looks at that.
 
 use super::channel::Channel;
+use super::position::Place;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::ident::{CodeId, DataId, code_facts};
 use counterpoint_machine::index::AxisSlot;
@@ -36,19 +37,9 @@ impl Modulo {
 }
 
 impl Channel<'_> {
-    /// Channel axis that these data move.
-    pub(crate) fn axis_of_data(&self, id: DataId) -> Option<AxisSlot> {
-        self.state.place.layout.axes.find(|axis| axis.data == id)
-    }
-
     /// Name of a channel axis for listings.
     pub(crate) fn axis_name(&self, axis: AxisSlot) -> String {
         self.env.machine.axes[self.state.place.layout.axes[axis].machine].letter.to_lowercase()
-    }
-
-    pub(crate) fn set_clamp(&mut self, axis: AxisSlot, on: bool) {
-        let clamped = self.state.place.clamped;
-        self.state.place.clamped = if on { clamped | axis.bit() } else { clamped & !axis.bit() };
     }
 
     /// Follows the groups of clamps after a macro has changed active codes.
@@ -58,9 +49,21 @@ impl Channel<'_> {
             let group = code.and_then(code_facts).map_or(0, |facts| facts.group);
             let active = self.state.modal.code(group).filter(|_| group != 0);
             if let Some(CodeKind::Clamp(_, on)) = active.map(CodeId::kind) {
-                self.set_clamp(axis, on);
+                self.state.place.set_clamp(axis, on);
             }
         }
+    }
+}
+
+impl Place {
+    /// Channel axis that these data move.
+    pub(crate) fn axis_of_data(&self, id: DataId) -> Option<AxisSlot> {
+        self.layout.axes.find(|axis| axis.data == id)
+    }
+
+    pub(crate) fn set_clamp(&mut self, axis: AxisSlot, on: bool) {
+        let clamped = self.clamped;
+        self.clamped = if on { clamped | axis.bit() } else { clamped & !axis.bit() };
     }
 }
 

@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use counterpoint_motion::arc::Arc as MotionArc;
 
-use super::channel::Channel;
 use counterpoint_event::event::{FeedUnit, Position};
 use counterpoint_motion::contour::element::{Element, Spot};
 
@@ -149,33 +148,5 @@ impl Cutter {
             *lifted.at_mut(axis) = stands.at(axis);
         }
         lifted
-    }
-}
-
-impl Channel<'_> {
-    /// Compensation, if it is active.
-    pub(crate) fn cutter(&mut self) -> Option<&mut Cutter> {
-        self.state.place.frames.as_deref_mut()?.cutter.as_deref_mut()
-    }
-
-    /// The clock is set to later by this, ns: so are the moves that compensation keeps.
-    pub(crate) fn delay_waiting_moves(&mut self, ns: i64) {
-        if let Some(cutter) = self.cutter().filter(|_| ns != 0) {
-            cutter.waiting.iter_mut().for_each(|waiting| waiting.clock += ns);
-        }
-    }
-
-    /// Compensation takes moves of this kernel.
-    #[inline(always)]
-    pub(crate) fn is_compensated(&self) -> bool {
-        self.state.place.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())
-    }
-
-    /// Records the end of compensation.
-    pub(crate) fn forget_cutter(&mut self) {
-        if let Some(frames) = self.state.place.frames.as_deref_mut() {
-            frames.cutter = None;
-        }
-        self.frames_changed();
     }
 }

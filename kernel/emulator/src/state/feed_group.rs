@@ -103,7 +103,11 @@ impl Channel<'_> {
     pub(super) fn ways_of_group(&self, group: &FeedGroup, changes: &Position) -> Position {
         let axes = &self.state.place.layout.axes;
         // Coordinates of the part count, for any names of the axes.
-        let part = self.polar().map_or(0, |polar| polar.axes().into_iter().fold(0, |bits, axis| bits | axis.bit()));
+        let part = self
+            .state
+            .place
+            .polar()
+            .map_or(0, |polar| polar.axes().into_iter().fold(0, |bits, axis| bits | axis.bit()));
         let counts = group.axes | part;
         let moves = |axis: AxisSlot| changes.at(axis).abs() > NOISE;
         let leads = axes.ids().any(|axis| counts & axis.bit() != 0 && moves(axis));

@@ -43,10 +43,13 @@ pub(crate) fn emit_move(channel: &mut Channel<'_>, ns: i64, motion: &Motion, str
 /// A move as a piece of a path; none for a move without a path.
 fn of_path(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stretch> {
     let axes = &channel.state.place.layout.axes;
-    let changes = if channel.couples() {
-        channel.changes(&channel.machine_point(&motion.from), &channel.machine_point(&motion.to))
+    let changes = if channel.state.place.couples() {
+        channel
+            .state
+            .place
+            .changes(&channel.state.place.machine_point(&motion.from), &channel.state.place.machine_point(&motion.to))
     } else {
-        channel.changes(&motion.from, &motion.to)
+        channel.state.place.changes(&motion.from, &motion.to)
     };
     let along = Along { channel, changes: &changes, seconds };
     match motion.kind {

@@ -43,7 +43,7 @@ pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: AxisSlot) -> O
     let scale = act.channel().state.place.layout.axes[axis].scale;
     let of = |list: &Position| list.at(axis);
     Some(match relative {
-        true => of(&act.channel().programmed()) * scale + datum.value,
+        true => of(&act.channel().state.place.programmed()) * scale + datum.value,
         false => {
             let value = datum.value * act.axis_diameter_factor(axis);
             let shift =

@@ -83,7 +83,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
     if act.channel().block.flags.machine_frame && act.channel().env.machine.habits.machine_frame_rapid {
         return super::motion::rapid(act);
     }
-    if let Some(polar) = act.channel().polar()
+    if let Some(polar) = act.channel().state.place.polar()
         && let Some(clockwise) = define::direction(act, form)
     {
         return super::polar::arc(act, polar, clockwise);
@@ -159,7 +159,7 @@ fn take_words(act: &mut Act<'_, '_>, form: Form, plane: &Plane, flat: &Flat, (co
         by => by,
     };
     let mut radius = if by == By::Center { None } else { act.take(data::ARC_RADIUS).map(|d| d.value) };
-    let start = flat.point(&act.channel().programmed());
+    let start = flat.point(&act.channel().state.place.programmed());
     let mut center = None;
     if by != By::Radius {
         let roles = [plane.first, plane.second];
@@ -198,7 +198,7 @@ fn cut(
     (coded, mut target): (u8, Position),
     (feed, unit, screw): (Option<f64>, FeedUnit, Option<Screw>),
 ) -> Acted {
-    let from = act.channel().programmed();
+    let from = act.channel().state.place.programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
     let tolerance = act.channel().env.machine.arcs.tolerance;
     // Many machines do not ask.
@@ -333,15 +333,15 @@ impl Act<'_, '_> {
     /// A circle in the work frame.
     #[inline(always)]
     pub(super) fn circle_to(&mut self, circle: &Circle) -> Acted {
-        if self.channel().is_compensated() && circle.screw.is_none() {
+        if self.channel().state.place.is_compensated() && circle.screw.is_none() {
             let Circle { made, axes, turns, coded, to, feed, unit, .. } = *circle;
             return self.compensate(Step { shape: Shape::Circle { made, axes, turns }, coded, to, feed, unit });
         }
-        if let Some(polar) = self.channel().polar() {
+        if let Some(polar) = self.channel().state.place.polar() {
             return self.circle_of_part(polar, circle);
         }
         let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit, screw } = *circle;
-        let changes = self.channel().changes(&from, &to);
+        let changes = self.channel().state.place.changes(&from, &to);
         let axes = self.channel().state.place.layout.axes.entries();
         let rise = axes
             .filter(|(slot, axis)| *slot != first && *slot != second && !axis.rotary)

@@ -31,14 +31,14 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
         act.diagnose(&diag::DATA_MISSING, text);
         return act.feed_to(coded, target, feed, unit);
     }
-    if act.channel().polar().is_some() {
+    if act.channel().state.place.polar().is_some() {
         let done = act.channel().becomes(&diag::ARC_PLANE, STRAIGHT);
         let text =
             format!("an arc in space is not possible under polar interpolation in '{}', {done}", act.block_text());
         act.diagnose(&diag::ARC_PLANE, text);
         return act.feed_to(coded, target, feed, unit);
     }
-    let via = act.channel_mut().work_point(&via);
+    let via = act.channel_mut().state.place.work_point(&via);
     crate::action::cutter::to_contour(act, feed, unit)?;
     let from = act.channel().state.place.position;
     let info = act.channel().env.info;
@@ -55,7 +55,7 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
         }
     };
     check_radius(act, circle.radius);
-    let changes = act.channel().changes(&from, &target);
+    let changes = act.channel().state.place.changes(&from, &target);
     let others = changes.iter().zip(&act.channel().state.place.layout.axes).enumerate();
     let rise: f64 = others.filter(|(at, (_, a))| !a.rotary && !seen.has(*at)).map(|(_, (c, _))| c * c).sum();
     // X swings as it would on a flat arc of its own reach.
@@ -86,7 +86,7 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
 /// Takes the point on the way: bits of the given coordinates, and the point.
 fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
     let relative = act.channel().state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-    let (mut said, mut via) = (0, act.channel().programmed());
+    let (mut said, mut via) = (0, act.channel().state.place.programmed());
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
         let Some(datum) = act.take(id) else { continue };
         let Some(axis) = act.channel().state.place.layout.cartesian.get(role).copied().flatten() else {

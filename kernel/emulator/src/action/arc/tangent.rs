@@ -27,7 +27,7 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
         act.diagnose(&diag::ARC_PLANE, text);
         return Ok(());
     };
-    let from = act.channel().programmed();
+    let from = act.channel().state.place.programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
     let leads = heading(act, &flat).map(|heading| leads(start, heading, end));
     let (center, clockwise) = match leads {
@@ -59,7 +59,7 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
 
 /// Direction of the last move at its end, as the program sees it, of length one.
 fn heading(act: &Act<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
-    let here = act.channel().contour();
+    let here = act.channel().state.place.contour();
     let mut ahead = here;
     match act.channel().state.arcs.last? {
         LastMove::By(by) => ahead.iter_mut().zip(by).for_each(|(slot, by)| *slot += by),
@@ -73,7 +73,7 @@ fn heading(act: &Act<'_, '_>, flat: &Flat) -> Option<[f64; 2]> {
             *ahead.at_mut(second) += x * turn / scale(second);
         }
     }
-    let [from, to] = [here, ahead].map(|work| flat.point(&act.channel().program_point(&work)));
+    let [from, to] = [here, ahead].map(|work| flat.point(&act.channel().state.place.program_point(&work)));
     let by = [to[0] - from[0], to[1] - from[1]];
     let length = libm::hypot(by[0], by[1]);
     (length > 1e-9).then(|| by.map(|part| part / length))

@@ -24,12 +24,12 @@ const OFF: f64 = 0.01;
 impl Act<'_, '_> {
     /// Whether the line of this block gets its end from the next one.
     pub(in crate::action) fn opens_line(&mut self) -> bool {
-        self.channel_mut().cutter().is_some_and(|cutter| cutter.asked.open.is_some())
+        self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.asked.open.is_some())
     }
 
     /// The programmed end of a line with an angle: coded axes and target.
     pub(in crate::action) fn by_angle(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let Some(cutter) = self.channel_mut().cutter() else { return (coded, target) };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return (coded, target) };
         let (axes, angle) = (cutter.axes, cutter.asked.angle.take());
         let open = cutter.waiting.last().and_then(|waiting| waiting.open);
         if angle.is_none() && open.is_none() {
@@ -37,7 +37,7 @@ impl Act<'_, '_> {
         }
         let bits = axes.map(AxisSlot::bit);
         let [first, second] = bits.map(|bit| coded & bit != 0);
-        let from = self.channel().programmed();
+        let from = self.channel().state.place.programmed();
         let (start, end) = (self.flat(&from, axes), self.flat(&target, axes));
         match (open, angle) {
             (Some(open), Some(angle)) if first && second => {
@@ -57,7 +57,7 @@ impl Act<'_, '_> {
                 let solved = match (first, second) {
                     (false, false) => {
                         let open = Open { from, along };
-                        if let Some(cutter) = self.channel_mut().cutter() {
+                        if let Some(cutter) = self.channel_mut().state.place.cutter() {
                             cutter.asked.open = Some(open);
                         }
                         return (coded, target);
@@ -84,12 +84,12 @@ impl Act<'_, '_> {
     /// Whether the end of the block's move is given by its distance and angle from the pole, which is the centre of a
     /// circle without another centre.
     pub(in crate::action) fn ends_by_pole(&mut self) -> bool {
-        self.channel_mut().cutter().is_some_and(|cutter| cutter.asked.polar.is_some())
+        self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.asked.polar.is_some())
     }
 
     /// The programmed end of a move with polar coordinates: coded axes and target.
     pub(in crate::action) fn polar_end(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let Some(cutter) = self.channel_mut().cutter() else { return (coded, target) };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return (coded, target) };
         let (axes, Some([radius, angle])) = (cutter.axes, cutter.asked.polar.take()) else { return (coded, target) };
         let spot = plus(self.flat(&self.channel().state.arcs.pole, axes), direction(angle), radius);
         for at in [0, 1] {
@@ -141,9 +141,9 @@ impl Act<'_, '_> {
         for at in [0, 1] {
             self.put_flat(&mut point, (axes, at), meets);
         }
-        let [from, to] = [open.from, point].map(|programmed| self.channel_mut().work_point(&programmed));
+        let [from, to] = [open.from, point].map(|programmed| self.channel_mut().state.place.work_point(&programmed));
         let [first, last] = [from, to].map(|work| self.plane_spot(&work, axes));
-        let Some(cutter) = self.channel_mut().cutter() else { return };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return };
         let Some(waiting) = cutter.waiting.last_mut() else { return };
         waiting.open = None;
         for (slot, value) in waiting.step.to.iter_mut().zip(&to) {
@@ -169,7 +169,7 @@ impl Act<'_, '_> {
 
     /// A line without an end waits for the next one.
     pub(super) fn wait_for_end(&mut self, step: Step) {
-        let corner = self.channel_mut().cutter().and_then(|cutter| cutter.asked.corner.take());
+        let corner = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.asked.corner.take());
         self.wait(step, None, corner);
     }
 }

@@ -36,7 +36,9 @@ pub(super) fn frame_tilts(act: &Act<'_, '_>, plane_code: CodeId) -> bool {
 impl Act<'_, '_> {
     /// The way around the beginning of a contour from a point behind it (KONT).
     pub(super) fn around_start(&mut self, element: &Element, next: &Element) -> Result<Option<Corner>, diag::Halt> {
-        let Some(cutter) = self.channel_mut().cutter().cloned().filter(|_| self.goes_around()) else { return Ok(None) };
+        let Some(cutter) = self.channel_mut().state.place.cutter().cloned().filter(|_| self.goes_around()) else {
+            return Ok(None);
+        };
         let (here, corner) = (self.spot_of(&cutter), element.to);
         let way = plus(corner, here, -1.0);
         if cross(next.start(), way) * cutter.side < NOISE {
@@ -51,7 +53,7 @@ impl Act<'_, '_> {
     /// The way around the end of a contour to a point behind it.
     pub(super) fn around_end(&mut self, step: &Step, element: &Element, end: Option<(Spot, Spot)>) -> Acted {
         let Some((cutter, (corner, heading))) =
-            self.channel_mut().cutter().cloned().filter(|_| self.goes_around()).zip(end)
+            self.channel_mut().state.place.cutter().cloned().filter(|_| self.goes_around()).zip(end)
         else {
             return Ok(());
         };

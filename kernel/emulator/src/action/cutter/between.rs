@@ -27,7 +27,7 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
     let (most, of_machine) =
         (act.channel().env.machine.corners.between, act.channel().env.machine.compensation.between.looked_through);
     let shared = act.channel().state.spindle.shared;
-    let Some(cutter) = act.channel_mut().cutter() else { return Ok(()) };
+    let Some(cutter) = act.channel_mut().state.place.cutter() else { return Ok(()) };
     if cutter.seen != blocks && !leads_on(code) {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
         cutter.seen = blocks;
@@ -41,7 +41,7 @@ pub(in crate::action) fn before(act: &mut Act<'_, '_>, contour: Contour, code: C
         Contour::Leaves if code == codes::POSITION_MACHINE && stays_in_machine_frame(act) => {}
         Contour::Leaves => {
             act.flush_lookahead()?;
-            if let Some(cutter) = act.channel_mut().cutter() {
+            if let Some(cutter) = act.channel_mut().state.place.cutter() {
                 cutter.suspended = true;
             }
             return Ok(());
@@ -73,8 +73,12 @@ fn leads_on(code: CodeId) -> bool {
 /// More blocks without a move in the plane than the control looks through, where that is an alarm.
 #[cold]
 fn too_many(act: &mut Act<'_, '_>, most: u32) {
-    let Some(cutter) =
-        act.channel_mut().cutter().filter(|cutter| !cutter.plain && !cutter.is_due() && !cutter.stage.is_ending())
+    let Some(cutter) = act
+        .channel_mut()
+        .state
+        .place
+        .cutter()
+        .filter(|cutter| !cutter.plain && !cutter.is_due() && !cutter.stage.is_ending())
     else {
         return;
     };
@@ -90,7 +94,7 @@ fn too_many(act: &mut Act<'_, '_>, most: u32) {
 /// Whether a code in a block without a move, after the block of a corner, is neither a dwell nor a call.
 fn parts_corner(act: &mut Act<'_, '_>, contour: Contour, code: CodeId) -> bool {
     let (blocks, moves) = (act.channel().at.blocks, act.has_motion_word());
-    let due = act.channel_mut().cutter().filter(|cutter| cutter.is_due());
+    let due = act.channel_mut().state.place.cutter().filter(|cutter| cutter.is_due());
     let before = due.and_then(|cutter| cutter.waiting.last()).is_some_and(|last| last.block != blocks);
     let looked_through = matches!(code, codes::DELAY | codes::DELAY_REV) || leads_on(code);
     before && !moves && !looked_through && matches!(contour, Contour::Waits | Contour::Commands)
@@ -100,8 +104,8 @@ impl Act<'_, '_> {
     /// A move of length zero counts for several blocks without a move.
     pub(super) fn count_zero_move(&mut self, step: &Step) {
         let counts = self.channel().env.machine.compensation.between.zero_move;
-        let stays = self.channel().contour() == step.to;
-        if let Some(cutter) = self.channel_mut().cutter().filter(|_| stays) {
+        let stays = self.channel().state.place.contour() == step.to;
+        if let Some(cutter) = self.channel_mut().state.place.cutter().filter(|_| stays) {
             cutter.idle = cutter.idle.saturating_add(counts.saturating_sub(1));
         }
     }

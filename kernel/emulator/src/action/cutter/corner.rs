@@ -19,7 +19,7 @@ use counterpoint_machine::ident::{codes, data};
 
 /// Moves of the plane wait from here on, where compensation does not make them wait; whether there is a plane.
 pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
-    if act.channel().is_compensated() {
+    if act.channel().state.place.is_compensated() {
         return true;
     }
     let Some((_, axes)) = compensated_plane(act) else {
@@ -44,7 +44,7 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
         smooth: None,
         resized: None,
     };
-    act.channel_mut().frames().cutter = Some(Box::new(new));
+    act.channel_mut().state.place.frames().cutter = Some(Box::new(new));
     true
 }
 
@@ -53,7 +53,7 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
 pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
     let rounds = act.channel().state.place.frames.as_deref().is_some_and(|frames| frames.rounding.is_some());
     let shared = act.channel().state.spindle.shared;
-    if let Some(cutter) = act.channel_mut().cutter().filter(|cutter| cutter.plain) {
+    if let Some(cutter) = act.channel_mut().state.place.cutter().filter(|cutter| cutter.plain) {
         let axes = cutter.axes;
         let stays = match contour {
             Contour::Waits => true,
@@ -67,20 +67,20 @@ pub(super) fn follow(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
         if !stays {
             act.flush_lookahead()?;
             let plane = compensated_plane(act);
-            match act.channel_mut().cutter() {
+            match act.channel_mut().state.place.cutter() {
                 // A path to the contour is still to come, in the plane that is active then.
                 Some(cutter) if cutter.smooth.is_some() => {
                     if let Some((_, axes)) = plane {
                         cutter.axes = axes;
                     }
                 }
-                _ => act.channel_mut().forget_cutter(),
+                _ => act.channel_mut().state.place.forget_cutter(),
             }
         }
     }
     if rounds
         && contour == Contour::Follows
-        && !act.channel().is_compensated()
+        && !act.channel().state.place.is_compensated()
         && !act.channel().block.flags.machine_frame
     {
         take_part(act);
@@ -94,16 +94,19 @@ pub(super) fn end(act: &mut Act<'_, '_>) {
     if !rounds
         && act
             .channel_mut()
+            .state
+            .place
             .cutter()
             .is_some_and(|cutter| cutter.plain && cutter.waiting.is_empty() && cutter.smooth.is_none())
     {
-        act.channel_mut().forget_cutter();
+        act.channel_mut().state.place.forget_cutter();
     }
 }
 
 /// The corner at the end of a move: its own, or the modal one.
 fn corner_at_end(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
-    let asked = act.channel_mut().cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
+    let asked =
+        act.channel_mut().state.place.cutter().map(|cutter| std::mem::take(&mut cutter.asked)).unwrap_or_default();
     let rounding = act.channel().state.place.frames.as_deref().and_then(|frames| frames.rounding);
     let modal = act.channel().state.remembered.value(data::CORNER_FEED_MODAL).filter(|feed| *feed > 0.0);
     let feed = asked.feed.or(modal);
@@ -116,7 +119,9 @@ fn corner_at_end(act: &mut Act<'_, '_>, rapid: bool) -> Option<Corner> {
 impl Act<'_, '_> {
     /// Puts corners between the moves that wait and between the last of them and a new one, which becomes shorter.
     pub(super) fn cut_corners(&mut self, step: &Step, element: &mut Element) -> Acted {
-        let Some(cutter) = self.channel_mut().cutter().filter(|cutter| cutter.is_due()) else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter().filter(|cutter| cutter.is_due()) else {
+            return Ok(());
+        };
         let waiting = std::mem::take(&mut cutter.waiting);
         let mut made: Vec<Waiting> = Vec::with_capacity(waiting.len() + 2);
         let mut due: Option<(usize, Corner)> = None;
@@ -134,7 +139,7 @@ impl Act<'_, '_> {
         if let Some((at, corner)) = due {
             self.cut_corner(&mut made, (at, corner), (step, element));
         }
-        if let Some(cutter) = self.channel_mut().cutter() {
+        if let Some(cutter) = self.channel_mut().state.place.cutter() {
             cutter.waiting = made;
         }
         self.channel().check_stop()
@@ -151,7 +156,7 @@ impl Act<'_, '_> {
             (step.feed, step.unit) = (feed, FeedUnit::PerMinute);
         }
         step.feed = corner.feed.or(step.feed);
-        step.shape = match (between.arc, self.channel_mut().cutter()) {
+        step.shape = match (between.arc, self.channel_mut().state.place.cutter()) {
             (Some(made), Some(cutter)) => Shape::Circle { made, axes: cutter.axes, turns: 0 },
             _ if matches!(step.shape, Shape::Rapid) => Shape::Rapid,
             _ => Shape::Linear,
@@ -212,7 +217,7 @@ impl Act<'_, '_> {
         (before, first): (&Step, &Element),
         (after, second): (&Step, &Element),
     ) -> Option<()> {
-        let axes = self.channel_mut().cutter().map(|cutter| cutter.axes)?;
+        let axes = self.channel_mut().state.place.cutter().map(|cutter| cutter.axes)?;
         let block = self.block_text();
         let round = |step: &Step| matches!(step.shape, Shape::Circle { .. });
         if round(before) || round(after) {
@@ -243,7 +248,7 @@ impl Act<'_, '_> {
 
     /// A move without a corner at its end, where only corners make moves wait.
     pub(super) fn without_waiting(&mut self, step: &Step, element: &Element) -> Acted {
-        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         cutter.contour = step.to;
         let cutter = cutter.clone();
         self.along(step, &cutter, element, element.to)?;
@@ -253,7 +258,7 @@ impl Act<'_, '_> {
 
     /// A move that the corner before it has taken whole: its direction is that of the corner's end.
     pub(super) fn used_up(&mut self, step: Step, element: &Element) -> Acted {
-        let along = self.channel_mut().cutter().and_then(|cutter| {
+        let along = self.channel_mut().state.place.cutter().and_then(|cutter| {
             let last = cutter.waiting.iter().rev().find_map(|waiting| waiting.element)?;
             Some(last.end())
         });
@@ -266,7 +271,7 @@ impl Act<'_, '_> {
             self.diagnose(&diag::CORNER_TOO_LONG, text);
         }
         let ended = self.channel().at.line;
-        if let Some(cutter) = self.channel_mut().cutter() {
+        if let Some(cutter) = self.channel_mut().state.place.cutter() {
             (cutter.contour, cutter.ended) = (step.to, ended);
             cutter.stage = if cutter.plain { Stage::On } else { Stage::Settled { corner: element.to, along } };
         }
@@ -287,7 +292,10 @@ impl Act<'_, '_> {
 
     /// A corner where compensation starts or ends.
     pub(super) fn corner_at_switch(&mut self, what: &str) {
-        let Some(asked) = self.channel_mut().cutter().map(|cutter| std::mem::take(&mut cutter.asked)) else { return };
+        let Some(asked) = self.channel_mut().state.place.cutter().map(|cutter| std::mem::take(&mut cutter.asked))
+        else {
+            return;
+        };
         if !asked.is_empty() {
             let text = format!("'{}' switches compensation {what} and has a corner or an angle", self.block_text());
             self.diagnose(&diag::CORNER_AT_COMPENSATION, text);
@@ -296,7 +304,7 @@ impl Act<'_, '_> {
 
     /// After an alarm the corners that wait are not made.
     pub(super) fn forget_corners(&mut self) {
-        if let Some(cutter) = self.channel_mut().cutter() {
+        if let Some(cutter) = self.channel_mut().state.place.cutter() {
             for waiting in &mut cutter.waiting {
                 (waiting.corner, waiting.open) = (None, None);
             }

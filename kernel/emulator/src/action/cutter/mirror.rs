@@ -9,7 +9,7 @@ use crate::state::modal::{group, plane};
 /// tool.
 pub(in crate::action) fn is_mirrored(act: &Act<'_, '_>) -> bool {
     let Some(plane) = act.channel().state.modal.code(group::PLANE).and_then(plane) else { return false };
-    let values = act.channel().frame_values();
+    let values = act.channel().state.place.frame_values();
     let turned = |role: usize| {
         let mirrored = values.mirror.get(role).is_some_and(|mirror| *mirror != 0.0);
         mirrored != values.scale.get(role).is_some_and(|scale| *scale < 0.0)
@@ -20,7 +20,7 @@ pub(in crate::action) fn is_mirrored(act: &Act<'_, '_>) -> bool {
 /// The local frame has changed: compensation that is active changes its side with it.
 pub(in crate::action) fn frame_changed(act: &mut Act<'_, '_>, was_mirrored: bool) {
     if is_mirrored(act) != was_mirrored
-        && let Some(cutter) = act.channel_mut().cutter()
+        && let Some(cutter) = act.channel_mut().state.place.cutter()
     {
         cutter.side = -cutter.side;
     }

@@ -68,7 +68,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     };
     let number = act.channel().diameter_in_force().unwrap_or(0);
     let cancels = number == 0 && act.channel().env.machine.compensation.zero_cancels;
-    if cancels && act.channel_mut().cutter().is_some_and(|cutter| !cutter.plain) {
+    if cancels && act.channel_mut().state.place.cutter().is_some_and(|cutter| !cutter.plain) {
         leave(act);
         return Ok(());
     }
@@ -78,7 +78,7 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         no_radius(act, number);
         act.channel().check_stop()?;
     }
-    if act.channel_mut().cutter().is_none_or(|cutter| cutter.plain) && radius == 0.0 {
+    if act.channel_mut().state.place.cutter().is_none_or(|cutter| cutter.plain) && radius == 0.0 {
         return Ok(());
     }
     let Some((plane_code, axes)) = compensated_plane(act) else {
@@ -96,9 +96,9 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     }
     wall::at_vector(act, plane_code, axes);
     let tip = act.nose_tip(number, plane_code);
-    let contour = act.channel().contour();
+    let contour = act.channel().state.place.contour();
     let side = if mirror::is_mirrored(act) { -side } else { side };
-    let before = act.channel_mut().cutter().filter(|cutter| !cutter.stage.is_ending() && !cutter.plain);
+    let before = act.channel_mut().state.place.cutter().filter(|cutter| !cutter.stage.is_ending() && !cutter.plain);
     let kept = before.map(|_| Stage::Turned);
     let new = Cutter {
         side: if radius < 0.0 { -side } else { side },
@@ -117,13 +117,13 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         smooth: None,
         resized: None,
     };
-    act.channel_mut().frames().cutter = Some(Box::new(new));
+    act.channel_mut().state.place.frames().cutter = Some(Box::new(new));
     Ok(())
 }
 
 /// The next move in the plane ends compensation.
 fn leave(act: &mut Act<'_, '_>) {
-    if let Some(cutter) = act.channel_mut().cutter().filter(|cutter| !cutter.plain) {
+    if let Some(cutter) = act.channel_mut().state.place.cutter().filter(|cutter| !cutter.plain) {
         cutter.stage = match cutter.stage {
             Stage::Settled { corner, along } | Stage::Around { corner, along } => Stage::Ending(Some((corner, along))),
             Stage::Ending(known) => Stage::Ending(known),
@@ -176,7 +176,7 @@ fn no_radius(act: &mut Act<'_, '_>, number: u32) {
 
 /// The active plane and its axes; under polar and cylindrical interpolation that of the part.
 fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
-    if let Some(polar) = act.channel().polar() {
+    if let Some(polar) = act.channel().state.place.polar() {
         return Some((codes::PLANE_XY, polar.axes()));
     }
     let code = act.channel().state.modal.code(group::PLANE)?;
@@ -189,7 +189,7 @@ fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [AxisSlot; 2])> {
 pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
     let number = act.channel().diameter_in_force().unwrap_or(0);
     let made = compensated_plane(act).map(|(code, axes)| (axes, act.nose_tip(number, code)));
-    let Some(cutter) = act.channel_mut().cutter() else { return };
+    let Some(cutter) = act.channel_mut().state.place.cutter() else { return };
     if !cutter.stage.is_ending() {
         cutter.stage = Stage::Start;
     }
@@ -200,11 +200,11 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
         }
         // Switched off already: the next move goes straight to its point.
         None if cutter.stage.is_ending() => {
-            act.channel_mut().forget_cutter();
+            act.channel_mut().state.place.forget_cutter();
             return;
         }
         None => {
-            act.channel_mut().forget_cutter();
+            act.channel_mut().state.place.forget_cutter();
             format!("no plane with both axes is left for compensation in '{}', it ends", act.block_text())
         }
     };
@@ -213,8 +213,8 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
 
 /// Brings the tool back to the contour, straight at feed, for a move that goes without compensation.
 pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUnit) -> Acted {
-    let to = act.channel().contour();
-    if !act.channel().is_compensated() || to == act.channel().state.place.position {
+    let to = act.channel().state.place.contour();
+    if !act.channel().state.place.is_compensated() || to == act.channel().state.place.position {
         return Ok(());
     }
     let feed = (feed.filter(|_| unit != FeedUnit::InverseTime), unit);
@@ -225,7 +225,7 @@ pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUni
 /// Called after a thread, which goes without compensation: the next moves approach the contour again.
 pub(super) fn after_thread(act: &mut Act<'_, '_>) {
     let position = act.channel().state.place.position;
-    if let Some(cutter) = act.channel_mut().cutter() {
+    if let Some(cutter) = act.channel_mut().state.place.cutter() {
         (cutter.contour, cutter.stage) = (position, Stage::Start);
     }
 }
@@ -276,8 +276,8 @@ impl Act<'_, '_> {
         {
             switched(self, code)?;
         }
-        let from = self.channel().contour();
-        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
+        let from = self.channel().state.place.contour();
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         if let Some(smooth) = cutter.smooth.take() {
             return self.smooth_step(step, smooth);
         }
@@ -302,7 +302,7 @@ impl Act<'_, '_> {
                 self.corner_at_switch("off");
                 self.channel().check_stop()?;
                 self.around_end(&step, &element, end)?;
-                self.channel_mut().forget_cutter();
+                self.channel_mut().state.place.forget_cutter();
                 return self.on_contour(&step);
             }
             Stage::Start if first => {
@@ -323,7 +323,7 @@ impl Act<'_, '_> {
         self.come_to(&step, &element)?;
         self.resize(&step, &element)?;
         let corner = self.corner_of(&step);
-        if corner.is_none() && self.channel_mut().cutter().is_some_and(|cutter| cutter.plain) {
+        if corner.is_none() && self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.plain) {
             return self.without_waiting(&step, &element);
         }
         self.wait(step, Some(element), corner);
@@ -363,13 +363,13 @@ impl Act<'_, '_> {
     /// A move beside the plane: with a move that waits it waits too.
     fn out_of_plane(&mut self, step: Step) -> Acted {
         let stands = self.channel().state.place.position;
-        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         let due = cutter.is_due();
         if due && self.channel().env.machine.corners.dwell_only {
             self.flush_lookahead()?;
             return self.out_of_plane(step);
         }
-        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         if !cutter.waiting.is_empty() {
             self.count_zero_move(&step);
             self.wait(step, None, None);
@@ -392,7 +392,7 @@ impl Act<'_, '_> {
         let vector = *vector;
         let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
         let mut to = step.to;
-        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         cutter.contour = step.to;
         let ending = cutter.stage.is_ending();
         let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
@@ -403,22 +403,22 @@ impl Act<'_, '_> {
             }
         }
         if ending {
-            self.channel_mut().forget_cutter();
+            self.channel_mut().state.place.forget_cutter();
         }
         self.straight(&step, to)
     }
 
     /// The program has ended: the waiting move is made, unless the job has been stopped.
     pub(crate) fn end_compensation(&mut self, halt: Halt) -> Halt {
-        if !self.channel().is_compensated() {
+        if !self.channel().state.place.is_compensated() {
             return halt;
         }
-        let pending = self.channel_mut().cutter().and_then(|cutter| cutter.smooth.take());
+        let pending = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.smooth.take());
         if pending.is_some()
             && matches!(halt, Halt::ProgramEnd(_))
             && let Err(stop) = self.refuse_way("the program ends before the contour of a soft approach", 10740)
         {
-            self.channel_mut().forget_cutter();
+            self.channel_mut().state.place.forget_cutter();
             return stop;
         }
         if matches!(halt, Halt::ProgramEnd(_) | Halt::Alarm) {
@@ -428,12 +428,12 @@ impl Act<'_, '_> {
                 self.forget_corners();
             }
             let settled = self.flush_lookahead();
-            self.channel_mut().forget_cutter();
+            self.channel_mut().state.place.forget_cutter();
             return settled.err().unwrap_or(halt);
         }
         let mut events = self.channel_mut().emitter.release().into_iter();
         self.put_back_events(&mut events, usize::MAX, 0);
-        self.channel_mut().forget_cutter();
+        self.channel_mut().state.place.forget_cutter();
         halt
     }
 
@@ -449,7 +449,7 @@ impl Act<'_, '_> {
     pub(crate) fn flush_due(&mut self, hole: bool) -> Acted {
         let now = self.channel().at.blocks;
         let is_due = |waits: &Waiting| if hole { waits.corner.is_some() } else { now - waits.block > LONGEST_WAIT };
-        let is_due = self.channel_mut().cutter().is_some_and(|cutter| cutter.waiting.iter().any(is_due));
+        let is_due = self.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.waiting.iter().any(is_due));
         if is_due { self.flush_lookahead() } else { Ok(()) }
     }
 
@@ -458,15 +458,15 @@ impl Act<'_, '_> {
         let Channel { at, block: now, text, .. } = self.channel();
         let (place, block, clock, micro) = (at.block_place(), at.blocks, at.clock, at.micro);
         let (exact, end, text) = (now.flags.exact_stop, now.flags.end, text.edited.clone());
-        let open = self.channel_mut().cutter().and_then(|cutter| cutter.asked.open.take());
-        let smooth = self.channel_mut().cutter().and_then(|cutter| cutter.smooth.take());
+        let open = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.asked.open.take());
+        let smooth = self.channel_mut().state.place.cutter().and_then(|cutter| cutter.smooth.take());
         let first = element.is_some() || open.is_some() || smooth.is_some();
         if first {
             let since = self.channel().at.tag();
             self.channel_mut().emitter.hold(since);
         }
         let (events, spindle) = (self.channel().emitter.buffered(), self.channel().state.spindle);
-        let Some(cutter) = self.channel_mut().cutter() else { return };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return };
         cutter.contour = step.to;
         if first {
             cutter.idle = 0;

@@ -26,7 +26,7 @@ impl Act<'_, '_> {
     pub(super) fn last_move(&self, step: &Step) -> Option<LastMove> {
         let Shape::Circle { made, axes, .. } = step.shape else {
             let mut by = step.to;
-            by.iter_mut().zip(self.channel().contour()).for_each(|(to, from)| *to -= from);
+            by.iter_mut().zip(self.channel().state.place.contour()).for_each(|(to, from)| *to -= from);
             return Some(LastMove::By(by));
         };
         let scale = |axis: AxisSlot| self.channel().state.place.layout.axes[axis].scale;
@@ -43,7 +43,7 @@ impl Act<'_, '_> {
 
     /// A position in the plane of compensation: that of the part under polar interpolation.
     pub(super) fn plane_spot(&self, of: &Position, axes: [AxisSlot; 2]) -> Spot {
-        match self.channel().polar() {
+        match self.channel().state.place.polar() {
             Some(polar) => polar.part(&self.channel().state.place, of),
             None => axes.map(|axis| self.radial(of, axis)),
         }
@@ -58,7 +58,7 @@ impl Act<'_, '_> {
     /// them.
     pub(super) fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
         let mut position = *to;
-        if let Some(polar) = self.channel().polar() {
+        if let Some(polar) = self.channel().state.place.polar() {
             polar.reach_straight(&self.channel().state.place, &mut position, spot);
             return position;
         }
@@ -72,7 +72,7 @@ impl Act<'_, '_> {
     /// The same along an arc of the tool's centre.
     pub(super) fn position_round(&self, cutter: &Cutter, to: &Position, spot: Spot, made: &Arc) -> Position {
         let mut position = self.position_at(cutter, to, spot);
-        if let Some(polar) = self.channel().polar() {
+        if let Some(polar) = self.channel().state.place.polar() {
             polar.reach(&self.channel().state.place, &mut position, spot, crate::action::polar::way_round(made));
         }
         position
@@ -121,17 +121,17 @@ impl Act<'_, '_> {
 
     /// Carries moves out while compensation does not take them.
     fn without_cutter<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
-        let cutter = self.channel_mut().frames().cutter.take();
+        let cutter = self.channel_mut().state.place.frames().cutter.take();
         let result = act(self);
         if cutter.is_some() {
-            self.channel_mut().frames().cutter = cutter;
+            self.channel_mut().state.place.frames().cutter = cutter;
         }
         result
     }
 
     /// Where a piece begins after one that did not know it: around the corner, or straight.
     pub(super) fn come_to(&mut self, step: &Step, element: &Element) -> Acted {
-        let Some(cutter) = self.channel_mut().cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
         let offset = self.offset(&cutter);
         let links = match cutter.stage {
             Stage::Start => {
@@ -157,7 +157,7 @@ impl Act<'_, '_> {
             Stage::Turned => vec![Link::Line(offset.at_start(element))],
             Stage::On | Stage::Ending(_) => return Ok(()),
         };
-        if let Some(cutter) = self.channel_mut().cutter() {
+        if let Some(cutter) = self.channel_mut().state.place.cutter() {
             cutter.stage = Stage::On;
         }
         self.links((step, element), &cutter, &links, self.channel().state.place.position)
@@ -165,7 +165,7 @@ impl Act<'_, '_> {
 
     /// Finishes the waiting move, now that the next piece is known (or will not be).
     pub(in crate::action) fn next_element(&mut self, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.channel_mut().cutter().filter(|cutter| !cutter.waiting.is_empty()) else {
+        let Some(cutter) = self.channel_mut().state.place.cutter().filter(|cutter| !cutter.waiting.is_empty()) else {
             return Ok(());
         };
         let waiting = std::mem::take(&mut cutter.waiting);
@@ -187,7 +187,7 @@ impl Act<'_, '_> {
             if result.is_ok() {
                 missing = missing.or_else(|| self.missing(waits));
                 result = self.make(waits, begun, next);
-                begun = match self.channel_mut().cutter().map(|cutter| cutter.stage) {
+                begun = match self.channel_mut().state.place.cutter().map(|cutter| cutter.stage) {
                     Some(stage @ Stage::Around { .. }) => stage,
                     _ if waits.element.is_some() || waits.smooth.is_some() => Stage::On,
                     _ => begun,
@@ -213,7 +213,7 @@ impl Act<'_, '_> {
 
     /// Makes a move that has waited.
     fn make(&mut self, waits: &Waiting, begun: Stage, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.channel_mut().cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
         if let Some(smooth) = &waits.smooth {
             return self.smooth_approach(waits, smooth, next);
         }
@@ -230,7 +230,7 @@ impl Act<'_, '_> {
             None => Stage::Settled { corner: element.to, along: element.end() },
         };
         let ended = self.channel().at.line;
-        if let Some(cutter) = self.channel_mut().cutter() {
+        if let Some(cutter) = self.channel_mut().state.place.cutter() {
             (cutter.stage, cutter.ended) = (stage, ended);
         }
         if begun == Stage::Start && !matches!(step.shape, Shape::Circle { .. }) {
@@ -255,7 +255,7 @@ impl Act<'_, '_> {
         let here = self.spot_of(&cutter);
         let corner = match next {
             Some(next) if self.circle_follows(waits, &offset, (element, next)) => {
-                if let Some(cutter) = self.channel_mut().cutter() {
+                if let Some(cutter) = self.channel_mut().state.place.cutter() {
                     cutter.stage = Stage::Around { corner: element.to, along: element.end() };
                 }
                 let hurts = element.is_smaller(cutter.side, cutter.radius);

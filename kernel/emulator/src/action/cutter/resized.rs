@@ -22,10 +22,12 @@ pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     act.channel().check_stop()?;
     let plane = compensated_plane(act).map(|(plane, _)| plane);
     let tip = plane.map_or([0.0; 2], |plane| act.nose_tip(number, plane)).map(|part| part * radius);
-    let begun = act.channel_mut().cutter().filter(|cutter| !cutter.plain && !cutter.suspended).is_some_and(|cutter| {
-        !matches!(cutter.stage, Stage::Ending(_) | Stage::Turned)
-            && (cutter.stage != Stage::Start || !cutter.waiting.is_empty())
-    });
+    let begun = act.channel_mut().state.place.cutter().filter(|cutter| !cutter.plain && !cutter.suspended).is_some_and(
+        |cutter| {
+            !matches!(cutter.stage, Stage::Ending(_) | Stage::Turned)
+                && (cutter.stage != Stage::Start || !cutter.waiting.is_empty())
+        },
+    );
     let cancels = number == 0 && act.channel().env.machine.compensation.zero_cancels;
     if !begun || radius < 0.0 || cancels {
         return switched(act, code);
@@ -33,7 +35,7 @@ pub(in crate::action) fn resized(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
     if radius == 0.0 {
         no_radius(act, number);
     }
-    if let Some(cutter) = act.channel_mut().cutter() {
+    if let Some(cutter) = act.channel_mut().state.place.cutter() {
         cutter.resized = Some((radius, tip));
     }
     Ok(())
@@ -51,7 +53,7 @@ impl Act<'_, '_> {
     /// The radius that a number of the block has selected counts from the end of its move on; an arc begins beside its
     /// start.
     pub(super) fn resize(&mut self, step: &Step, element: &Element) -> Acted {
-        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         let Some((radius, tip)) = cutter.resized.take() else { return Ok(()) };
         (cutter.radius, cutter.tip) = (radius, tip);
         let cutter = cutter.clone();

@@ -84,13 +84,13 @@ fn asked(act: &mut Act<'_, '_>, form: Form, leaves: bool) -> Acted {
         feed,
         heading: if leaves { act.heading() } else { None },
     };
-    if act.channel_mut().cutter().is_some_and(|cutter| cutter.smooth.is_some()) {
+    if act.channel_mut().state.place.cutter().is_some_and(|cutter| cutter.smooth.is_some()) {
         return act.refuse_way("a way to the contour is asked for again before the contour has begun", 10743);
     }
     if leaves && !act.has_axis_word() {
         return act.smooth_retract(None, &smooth);
     }
-    if let Some(cutter) = act.channel_mut().cutter() {
+    if let Some(cutter) = act.channel_mut().state.place.cutter() {
         cutter.smooth = Some(Box::new(smooth));
     }
     act.channel().check_stop()
@@ -147,9 +147,9 @@ impl Act<'_, '_> {
 
     /// Direction of the contour where it ends.
     fn heading(&mut self) -> Option<Spot> {
-        let here = self.channel().contour();
+        let here = self.channel().state.place.contour();
         let last = self.channel().state.arcs.last;
-        let cutter = self.channel_mut().cutter()?;
+        let cutter = self.channel_mut().state.place.cutter()?;
         let axes = cutter.axes;
         match cutter.stage {
             Stage::Settled { along, .. } | Stage::Ending(Some((_, along))) => return Some(along),
@@ -177,7 +177,7 @@ impl Act<'_, '_> {
         if matches!(step.shape, Shape::Circle { .. }) {
             return self.refuse_way("the move that gives the beginning of the contour is a circle", 10745);
         }
-        let Some(cutter) = self.channel_mut().cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return Ok(()) };
         let in_plane = cutter.axes.iter().any(|axis| step.coded & axis.bit() != 0);
         cutter.smooth = Some(smooth);
         if in_plane {
@@ -202,9 +202,9 @@ impl Act<'_, '_> {
         match level {
             Level::Above(by) => contour + up * by,
             Level::At(at) => {
-                let mut point = self.channel().programmed();
+                let mut point = self.channel().state.place.programmed();
                 *point.at_mut(axis) = at;
-                self.channel_mut().work_point(&point).at(axis)
+                self.channel_mut().state.place.work_point(&point).at(axis)
             }
         }
     }
@@ -317,7 +317,7 @@ impl Act<'_, '_> {
 
     /// Makes the path to a contour whose first piece is known now.
     pub(super) fn smooth_approach(&mut self, waits: &Waiting, smooth: &Smooth, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.channel_mut().cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
         let step = &waits.step;
         let Some(next) = next else {
             self.refuse_way("no move of the plane follows the way to the contour", 10740)?;
@@ -330,7 +330,7 @@ impl Act<'_, '_> {
         let stands = tool.map(|axis| self.channel().state.place.position.at(axis));
         let contour = tool.map_or(0.0, |axis| step.to.at(axis));
         let heights = self.heights(smooth, contour, stands)?;
-        if let Some(cutter) = self.channel_mut().cutter() {
+        if let Some(cutter) = self.channel_mut().state.place.cutter() {
             cutter.stage = Stage::On;
         }
         let Some((touch, heights)) = touch.zip(heights) else {
@@ -370,7 +370,7 @@ impl Act<'_, '_> {
 
     /// Makes the path from a contour; a step says where it ends.
     fn smooth_retract(&mut self, step: Option<&Step>, smooth: &Smooth) -> Acted {
-        let Some(cutter) = self.channel_mut().cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel_mut().state.place.cutter().cloned() else { return Ok(()) };
         let Some(heading) = smooth.heading else {
             self.refuse_way("no move of the plane is before it, so the contour has no direction", 10747)?;
             self.left_contour();
@@ -442,10 +442,10 @@ impl Act<'_, '_> {
     /// Records that the tool has left the contour: its position is the programmed one.
     fn left_contour(&mut self) {
         let position = self.channel().state.place.position;
-        let Some(cutter) = self.channel_mut().cutter() else { return };
+        let Some(cutter) = self.channel_mut().state.place.cutter() else { return };
         (cutter.contour, cutter.smooth) = (position, None);
         if cutter.stage.is_ending() {
-            self.channel_mut().forget_cutter();
+            self.channel_mut().state.place.forget_cutter();
         } else if cutter.plain {
             corner::end(self);
         } else {

@@ -23,7 +23,7 @@ const PARALLEL: f64 = 1e-3;
 
 /// Ends the move that waits at the wall whose direction is in the block.
 pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
-    if !act.channel().env.machine.compensation.wall || act.channel().polar().is_some() {
+    if !act.channel().env.machine.compensation.wall || act.channel().state.place.polar().is_some() {
         return Ok(());
     }
     // Beside a circle they are its centre.
@@ -33,7 +33,7 @@ pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
     let Some((code, axes)) = compensated_plane(act) else { return Ok(()) };
     let Some((from, along)) = direction(act, code, axes) else { return Ok(()) };
     let length = distance(along, [0.0; 2]);
-    let Some(cutter) = act.channel_mut().cutter().filter(|cutter| !cutter.plain) else { return Ok(()) };
+    let Some(cutter) = act.channel_mut().state.place.cutter().filter(|cutter| !cutter.plain) else { return Ok(()) };
     let Some(last) = cutter.waiting.iter_mut().rfind(|waits| waits.element.is_some()) else { return Ok(()) };
     let heading = last.element.as_ref().map_or([0.0; 2], Element::end);
     if length < NOISE || cross(heading, along).abs() < length * PARALLEL {
@@ -48,14 +48,14 @@ pub(super) fn at_wall(act: &mut Act<'_, '_>) -> Acted {
 fn direction(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) -> Option<(Spot, Spot)> {
     let plane = plane(code)?;
     let words = plane.centers.map(|id| act.take(id).map_or(0.0, |datum| datum.value));
-    let contour = act.channel().contour();
+    let contour = act.channel().state.place.contour();
     // The direction is turned and mirrored with the points of the program.
-    let mut beside = act.channel().program_point(&contour);
+    let mut beside = act.channel().state.place.program_point(&contour);
     for (axis, word) in axes.into_iter().zip(words) {
         let scale = act.channel().state.place.layout.axes[axis].scale;
         *beside.at_mut(axis) += word / scale;
     }
-    let beside = act.channel_mut().work_point_aside(&beside);
+    let beside = act.channel_mut().state.place.work_point_aside(&beside);
     let [from, beside] = [contour, beside].map(|of| act.plane_spot(&of, axes));
     Some((from, plus(beside, from, -1.0)))
 }
@@ -63,7 +63,7 @@ fn direction(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) -> Option
 /// Ends the move of the block that switches compensation on perpendicular to the direction that the block gives.
 pub(super) fn at_vector(act: &mut Act<'_, '_>, code: CodeId, axes: [AxisSlot; 2]) {
     if !act.channel().env.machine.compensation.vector
-        || act.channel().polar().is_some()
+        || act.channel().state.place.polar().is_some()
         || !act.has_axis_word()
         || is_round(act)
     {

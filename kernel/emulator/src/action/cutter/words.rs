@@ -32,7 +32,7 @@ pub(in crate::action) fn with_words<'a, 'k>(
     let asked = take(act, code);
     act.channel().check_stop()?;
     if asked.is_empty() {
-        if let Some(cutter) = act.channel_mut().cutter() {
+        if let Some(cutter) = act.channel_mut().state.place.cutter() {
             cutter.asked = asked;
         }
         return moves(act);
@@ -40,11 +40,11 @@ pub(in crate::action) fn with_words<'a, 'k>(
     if !corner::take_part(act) {
         return moves(act);
     }
-    if let Some(cutter) = act.channel_mut().cutter() {
+    if let Some(cutter) = act.channel_mut().state.place.cutter() {
         cutter.asked = asked;
     }
     moves(act)?;
-    let left = act.channel_mut().cutter().map(|cutter| std::mem::take(&mut cutter.asked));
+    let left = act.channel_mut().state.place.cutter().map(|cutter| std::mem::take(&mut cutter.asked));
     if left.is_some_and(|left| !left.is_empty()) {
         refused(act, "the block has no move in the plane that it could act on");
     }
@@ -85,7 +85,7 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
         }
     }
     // Polar interpolation has words of its own.
-    if straight && act.channel().polar().is_none() {
+    if straight && act.channel().state.place.polar().is_none() {
         let [x, _, z] = act.channel().state.place.layout.cartesian;
         for (id, axis, cut) in [
             (data::CORNER_SIDE, None, Cut::Legs as fn(f64) -> Cut),
@@ -192,10 +192,10 @@ fn modal_rounding(act: &mut Act<'_, '_>) {
         refused(act, "its radius is negative");
         return;
     }
-    act.channel_mut().frames().rounding = (radius > 0.0).then_some(radius);
+    act.channel_mut().state.place.frames().rounding = (radius > 0.0).then_some(radius);
     if radius > 0.0 {
         corner::take_part(act);
     } else {
-        act.channel_mut().frames_changed();
+        act.channel_mut().state.place.frames_changed();
     }
 }

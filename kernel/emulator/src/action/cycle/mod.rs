@@ -171,7 +171,7 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
     if words.times == 0 {
         return Ok(());
     }
-    let from = act.channel().programmed();
+    let from = act.channel().state.place.programmed();
     act.check_feed(act.channel().state.cycle.rates.feed.0)?;
     let marked = kind.is_rigid() && act.channel().state.cycle.rigid == 2.0;
     if marked && act.channel().state.spindle.id.is_some() && act.spindle_speed()?.is_none() {
@@ -180,7 +180,7 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
     }
     let Some(mut hole) = heights(act, kind, words) else { return Ok(()) };
     // The path to the hole includes a change of the length that has not been travelled yet.
-    act.channel_mut().ways_travelled(hole.axis.bit());
+    act.channel_mut().state.place.ways_travelled(hole.axis.bit());
     for pass in 0..words.times {
         if pass > 0 {
             act.count_as_block()?;

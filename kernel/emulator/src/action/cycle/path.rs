@@ -52,7 +52,7 @@ impl Act<'_, '_> {
         let along = hole.axis.bit();
         let mut target = hole.target;
         if self.channel().env.machine.cycles.approach == Approach::PositionFirst {
-            *target.at_mut(hole.axis) = self.channel().programmed().at(hole.axis);
+            *target.at_mut(hole.axis) = self.channel().state.place.programmed().at(hole.axis);
             self.rapid_to_point(hole.coded & !along, target)?;
             return self.rapid_to_point(along, self.level(hole.axis, hole.clear));
         }
@@ -61,7 +61,7 @@ impl Act<'_, '_> {
     }
 
     fn level(&self, axis: AxisSlot, level: f64) -> Position {
-        let mut target = self.channel().programmed();
+        let mut target = self.channel().state.place.programmed();
         *target.at_mut(axis) = level;
         target
     }
@@ -108,7 +108,7 @@ impl Act<'_, '_> {
         let role = place.layout.cartesian.iter().position(|own| *own == Some(axis));
         let scaled = role
             .filter(|_| place.frames.is_some())
-            .and_then(|role| self.channel().frame_values().scale.get(role).copied());
+            .and_then(|role| self.channel().state.place.frame_values().scale.get(role).copied());
         let factor = scaled.map(f64::abs).filter(|factor| *factor > 0.0 && factor.is_finite()).unwrap_or(1.0);
         place.layout.axes[axis].scale * factor
     }
@@ -208,7 +208,7 @@ impl Act<'_, '_> {
     /// The shift of oriented boring, away from the centre (1) or back (−1).
     fn shift_aside(&mut self, drill: &Drill<'_>, way: f64) -> Acted {
         let cycle = &drill.cycle;
-        let mut target = self.channel().programmed();
+        let mut target = self.channel().state.place.programmed();
         let mut coded = 0_u8;
         let given = cycle.boring.shifts.iter().any(Option::is_some);
         // The first axis of the plane: X of G17, Z of G18, Y of G19 (Fanuc parameter 5101#4 and #5 at 0).

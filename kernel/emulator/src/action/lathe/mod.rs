@@ -134,7 +134,7 @@ fn pecking(act: &mut Act<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
     }
     let words::Pecks { steps, relief } = words::pecks(act);
     let (feed, unit) = act.feed();
-    let from = act.channel().programmed();
+    let from = act.channel().state.place.programmed();
     let (_, target) = act.programmed_targets();
     if let Some(step) = steps.into_iter().find(|step| *step < 0.0) {
         let text = format!("the peck or shift {step} is negative in '{}'", act.block_text());
@@ -162,7 +162,7 @@ fn single(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool, implied: bool) 
     }
     let taper = words::taper(act, face);
     let (feed, unit) = act.feed();
-    let from = act.channel().programmed();
+    let from = act.channel().state.place.programmed();
     let (coded, target) = act.programmed_targets();
     let mine = plane.axes.iter().fold(0, |bits, axis| bits | axis.bit());
     if coded & mine == 0 && taper.is_none() {

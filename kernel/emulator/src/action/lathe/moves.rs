@@ -84,7 +84,7 @@ impl Sink for Cutting<'_, '_, '_> {
 
     fn go(&mut self, to: Move) -> Acted {
         let (Move::Rapid(point) | Move::Feed(point) | Move::Arc { to: point, .. }) = to;
-        let from = self.act.channel().programmed();
+        let from = self.act.channel().state.place.programmed();
         let target = self.plane.position(from, point);
         let coded = self.plane.moved(&from, &target);
         if coded == 0 {

@@ -68,7 +68,7 @@ pub(super) fn cut(
 
 /// One piece of a pass, to its moved end.
 fn piece(act: &mut Act<'_, '_>, plane: &LathePlane, (element, to): (&Element, Spot), screw: &Screw) -> Acted {
-    let from = act.channel().programmed();
+    let from = act.channel().state.place.programmed();
     let target = plane.position(from, to);
     let coded = plane.moved(&from, &target);
     let Some(arc) = element.arc else { return act.cut_to_point(coded, target, screw) };

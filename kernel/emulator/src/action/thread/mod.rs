@@ -94,7 +94,7 @@ fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 3]) {
 /// The pitch along X, Y or Z and its axis. Of several pitches, that of the longest travel counts, and the last one of
 /// equal travels. `None` if no axis with a pitch moves.
 fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 3], target: &Position) -> (Option<f64>, Option<AxisSlot>) {
-    let changes = act.channel().changes(&act.channel().state.place.position, target);
+    let changes = act.channel().state.place.changes(&act.channel().state.place.position, target);
     let axes = &act.channel().state.place.layout.cartesian;
     let mut longest = (None, None, 0.0);
     for (role, pitch) in sides.into_iter().enumerate() {
@@ -179,7 +179,7 @@ impl Act<'_, '_> {
 
     /// One thread move to a programmed point.
     pub(super) fn cut_to_point(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
-        let target = self.channel_mut().work_point(&target);
+        let target = self.channel_mut().state.place.work_point(&target);
         self.cut(coded, target, screw)
     }
 
@@ -189,7 +189,7 @@ impl Act<'_, '_> {
         if target == from {
             return Ok(());
         }
-        let changes = self.channel().changes(&from, &target);
+        let changes = self.channel().state.place.changes(&from, &target);
         let seconds = self.thread_seconds(&target, &changes, screw)?;
         let length = self.tool_path(&changes);
         let feed = (screw.lead, FeedUnit::PerRevolution);
@@ -227,9 +227,12 @@ impl Act<'_, '_> {
         let minutes = |lead: Lead| match turning {
             Turning::Fixed(rpm) => lead.minutes(way, rpm),
             Turning::Driven(driven, elapsed) => Some(driven.minutes_of(elapsed, lead.revolutions(way)?)),
-            Turning::Surface(speed) => {
-                lead.surface_minutes(way, &speed, self.channel().radius(&from), self.channel().radius(target))
-            }
+            Turning::Surface(speed) => lead.surface_minutes(
+                way,
+                &speed,
+                self.channel().state.place.radius(&from),
+                self.channel().state.place.radius(target),
+            ),
         };
         let lead = Lead { start: screw.lead, change: screw.change };
         if let Some(minutes) = minutes(lead) {

@@ -41,9 +41,9 @@ impl Kernel<'_> {
 
 impl Frames for Kernel<'_> {
     fn axes(&self) -> Vec<AxisPlace> {
-        let programmed = self.channel.programmed();
-        let machine = self.channel.machine_point(&self.channel.state.place.position);
-        let counted = self.channel.counted();
+        let programmed = self.channel.state.place.programmed();
+        let machine = self.channel.state.place.machine_point(&self.channel.state.place.position);
+        let counted = self.channel.state.place.counted();
         let places = self.channel.state.place.layout.axes.entries().map(|(slot, axis)| {
             let named = &self.channel.env.machine.axes[axis.machine];
             let factor = self.program_factor(slot);
@@ -55,7 +55,12 @@ impl Frames for Kernel<'_> {
                 work: programmed.at(slot) / factor,
                 from: counted.at(slot) / factor,
                 machine: machine.at(slot) / factor,
-                line: self.channel.line_of(slot).map_or([1.0, 0.0], |line| [line.factor, line.shift / factor]),
+                line: self
+                    .channel
+                    .state
+                    .place
+                    .line_of(slot)
+                    .map_or([1.0, 0.0], |line| [line.factor, line.shift / factor]),
             }
         });
         places.collect()
@@ -69,8 +74,8 @@ impl Frames for Kernel<'_> {
     }
 
     fn positions(&self) -> Vec<(&str, f64, f64)> {
-        let programmed = self.channel.programmed();
-        let machine = self.channel.machine_point(&self.channel.state.place.position);
+        let programmed = self.channel.state.place.programmed();
+        let machine = self.channel.state.place.machine_point(&self.channel.state.place.position);
         let axes = self.channel.state.place.layout.axes.entries();
         let named = |axis: &Axis| &*self.channel.env.machine.axes[axis.machine].name;
         axes.map(|(slot, axis)| (named(axis), programmed.at(slot), machine.at(slot))).collect()
@@ -98,11 +103,11 @@ impl Frames for Kernel<'_> {
     }
 
     fn plane_angles(&self) -> Option<Vec<(String, f64)>> {
-        let angles = self.channel.tilted()?.angles.as_ref()?;
+        let angles = self.channel.state.place.tilted()?.angles.as_ref()?;
         let machine = &self.channel.env.machine.axes;
         let of = |(axis, angle): &(AxisSlot, f64)| {
             let letter = machine[self.channel.state.place.layout.axes[*axis].machine].letter.clone();
-            (letter, self.channel.programmed_angle(*axis, *angle))
+            (letter, self.channel.state.place.programmed_angle(*axis, *angle))
         };
         Some(angles.iter().map(of).collect())
     }
@@ -120,13 +125,13 @@ impl Frames for Kernel<'_> {
     }
 
     fn tool_direction(&self) -> Option<[f64; 3]> {
-        let Some(tip) = self.channel.tip() else { return Some([0.0, 0.0, 1.0]) };
-        let machine = self.channel.machine_point(&self.channel.state.place.position);
+        let Some(tip) = self.channel.state.place.tip() else { return Some([0.0, 0.0, 1.0]) };
+        let machine = self.channel.state.place.machine_point(&self.channel.state.place.position);
         tip.chain.direction(|axis| machine.at(axis))
     }
 
     fn keeps_moves_back(&self) -> bool {
-        self.channel.is_compensated()
+        self.channel.state.place.is_compensated()
     }
 
     fn work_offset(&self) -> u32 {
@@ -147,7 +152,7 @@ impl Frames for Kernel<'_> {
     }
 
     fn offset_turn(&self, number: u32) -> Option<[f64; 9]> {
-        let cells = self.channel.offset_turn(number)?.cells();
+        let cells = self.channel.state.place.offsets.as_deref().and_then(|offsets| offsets.turn(number))?.cells();
         let rows = cells.chunks(4).filter_map(|row| row.get(..3)).flatten().copied();
         <[f64; 9]>::try_from(rows.collect::<Vec<_>>()).ok()
     }
@@ -159,7 +164,7 @@ impl Frames for Kernel<'_> {
             Some(turn) => turn,
             None => None,
         };
-        let stored = self.channel.store_turn(number, turn);
+        let stored = self.channel.state.place.offsets.get_or_insert_default().store_turn(number, turn);
         self.reframe();
         stored
     }
@@ -245,7 +250,7 @@ impl Frames for Kernel<'_> {
         let Some(along) = self.along() else { return false };
         let mut values = self.channel.offset_values(Table::Length, offset);
         *values.at_mut(along) = value;
-        self.channel.store_offset(Table::Length, offset, values)
+        self.channel.state.place.offsets.get_or_insert_default().store(Table::Length, offset, values)
     }
 
     fn travel(&self, letter: &str) -> Option<(f64, f64)> {
@@ -259,7 +264,7 @@ impl Frames for Kernel<'_> {
     }
 
     fn set_tip(&mut self, offset: u32, tip: f64) -> bool {
-        self.channel.set_offset_tip(offset, tip)
+        self.channel.state.place.offsets.get_or_insert_default().set_tip(offset, tip)
     }
 
     fn wear(&self, offset: u32, of: usize) -> f64 {

@@ -31,21 +31,23 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$LCSM" => (|k, _| Value::Logical(local(k, Frames::changes_points).unwrap_or(false)), None),
-        "$LCSTRA" => (|k, _| Value::numbers(&k.channel.frame_values().translation), None),
-        "$LCSROT" => (|k, _| Value::numbers(&k.channel.frame_values().rotation), None),
-        "$LCSSCA" => (|k, _| Value::numbers(&k.channel.frame_values().scale), None),
-        "$LCSMIR" => (|k, _| Value::numbers(&k.channel.frame_values().mirror), None),
-        "$LCSCEN" => (|k, _| Value::numbers(&k.channel.frame_values().center), None),
-        "$LCSANG" => (|k, _| Value::Real(k.channel.frame_values().angle), None),
-        "$LCSORD" => (|k, _| Value::text(k.channel.frame_values().order), None),
+        "$LCSTRA" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().translation), None),
+        "$LCSROT" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().rotation), None),
+        "$LCSSCA" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().scale), None),
+        "$LCSMIR" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().mirror), None),
+        "$LCSCEN" => (|k, _| Value::numbers(&k.channel.state.place.frame_values().center), None),
+        "$LCSANG" => (|k, _| Value::Real(k.channel.state.place.frame_values().angle), None),
+        "$LCSORD" => (|k, _| Value::text(k.channel.state.place.frame_values().order), None),
         "$LCSMX" => (
             |k, _| Value::numbers(&local(k, |frames| frames.local.map().cells()).unwrap_or(Affine::SAME.cells())),
             None,
         ),
-        "$C2PMCH" => (|k, _| Value::Logical(k.channel.polar().is_some_and(|polar| !polar.is_cylinder())), None),
+        "$C2PMCH" => {
+            (|k, _| Value::Logical(k.channel.state.place.polar().is_some_and(|polar| !polar.is_cylinder())), None)
+        }
         "$AXESC2P" => (
             |k, _| {
-                let polar = k.channel.polar().filter(|polar| !polar.is_cylinder());
+                let polar = k.channel.state.place.polar().filter(|polar| !polar.is_cylinder());
                 let letters = polar
                     .map(|polar| polar.axes().map(|axis| positions::axis_letter(&k.channel.state.place, Some(axis))));
                 Value::text(letters.map_or_else(String::new, |letters| letters.iter().collect()))
@@ -63,7 +65,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
 
 /// The frame may have changed; a macro learns why it has not.
 fn changed(kernel: &mut Kernel<'_>, made: Result<(), Refused>) -> Outcome<()> {
-    kernel.channel.frames_changed();
+    kernel.channel.state.place.frames_changed();
     made.map_err(|refused| {
         let why = match refused {
             Refused::NoWayBack => "the frame has no inverse",
@@ -93,7 +95,7 @@ impl Kernel<'_> {
             Some(value) => return Err(Fault::kind("a sequence", value)),
         };
         let has = self.channel.state.place.has_axes();
-        let made = self.channel.frames().local.give(given, has);
+        let made = self.channel.state.place.frames().local.give(given, has);
         changed(self, made)?;
         Ok(Value::Real(1.0))
     }

@@ -313,5 +313,7 @@ pub(in crate::host) fn write_radius(channel: &mut Channel<'_>, table: Radii, arg
     let value = arguments.get(2).and_then(Value::as_real).filter(|value| value.is_finite());
     let set = value.is_some_and(|value| channel.set_offset_radius(table, number, value));
     let tip = arguments.get(3).and_then(Value::as_real);
-    Ok(real(u8::from(set && tip.is_none_or(|tip| channel.set_offset_tip(number, tip)))))
+    Ok(real(u8::from(
+        set && tip.is_none_or(|tip| channel.state.place.offsets.get_or_insert_default().set_tip(number, tip)),
+    )))
 }

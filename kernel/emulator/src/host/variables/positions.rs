@@ -46,25 +46,25 @@ impl Kernel<'_> {
     pub(crate) fn position_of(&self, place: AxisPosition) -> f64 {
         let Some(axis) = axis_at(&self.channel, place) else { return 0.0 };
         if place.kind == 'W' && !place.before {
-            return self.channel.programmed().at(axis);
+            return self.channel.state.place.programmed().at(axis);
         }
         let at = if place.before { &self.macros.arguments.before } else { &self.channel.state.place.position };
         let value = |of: &counterpoint_event::event::Position| of.at(axis);
         match place.kind {
-            'M' if self.channel.couples() => {
-                value(&self.channel.machine_point(at)) - value(&self.channel.state.place.shift)
+            'M' if self.channel.state.place.couples() => {
+                value(&self.channel.state.place.machine_point(at)) - value(&self.channel.state.place.shift)
                     + value(&self.channel.state.place.preset)
             }
             'M' => value(at) + value(&self.channel.state.place.preset),
-            'J' => value(&self.channel.machine_point(at)),
-            _ => value(&self.channel.program_point(at)),
+            'J' => value(&self.channel.state.place.machine_point(at)),
+            _ => value(&self.channel.state.place.program_point(at)),
         }
     }
 }
 
 /// Channel axis of a name.
 fn axis_at(channel: &Channel<'_>, place: AxisPosition) -> Option<AxisSlot> {
-    let find = |ids: &[DataId]| ids.iter().find_map(|id| channel.axis_of_data(*id));
+    let find = |ids: &[DataId]| ids.iter().find_map(|id| channel.state.place.axis_of_data(*id));
     let of = |table: DataId, head: DataId| match place.side {
         'T' => find(&[table]),
         'H' => find(&[head]),

@@ -16,7 +16,7 @@ fn number(value: &Value) -> u8 {
 fn switch(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     if value.as_logical() != Some(true) {
         kernel.channel.end_tip();
-    } else if kernel.channel.tip().is_none() && !kernel.channel.start_tip(false) {
+    } else if kernel.channel.state.place.tip().is_none() && !kernel.channel.start_tip(false) {
         return Err(Fault::new(Number::BAD_VALUE, "the axes of this channel do not allow TCP"));
     }
     Ok(())
@@ -32,7 +32,7 @@ fn axis<const PART: usize, const BEFORE: bool>(kernel: &Kernel<'_>, _: &[i64]) -
 /// How a variable is read and written.
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
-        "$TCP" => (|k, _| Value::Logical(k.channel.tip().is_some()), Some(switch)),
+        "$TCP" => (|k, _| Value::Logical(k.channel.state.place.tip().is_some()), Some(switch)),
         "$TCPFMT" => (
             |k, _| Value::Real(f64::from(k.channel.state.others.tip.format)),
             Some(|k, _, value| {

@@ -110,7 +110,7 @@ fn place(at: &[i64]) -> Option<(usize, usize)> {
 
 /// A second table about Z takes the place of the first one where that is missing.
 fn second_table(channel: &Channel<'_>, id: DataId) -> Option<AxisSlot> {
-    channel.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
+    channel.state.place.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
 }
 
 fn travel_place(tools: &ToolTable, of_tools: bool, at: &[i64]) -> Option<(usize, usize)> {
@@ -124,7 +124,7 @@ impl Books {
     /// Finds the column of each axis of the channel; `None` for an axis that the tables do not have.
     pub(crate) fn set_columns(&mut self, channel: &Channel<'_>) {
         for (column, id) in AXES.into_iter().enumerate() {
-            let axis = channel.axis_of_data(id).or_else(|| second_table(channel, id));
+            let axis = channel.state.place.axis_of_data(id).or_else(|| second_table(channel, id));
             if let Some(axis) = axis {
                 *self.columns.at_mut(axis) = Some(column);
             }

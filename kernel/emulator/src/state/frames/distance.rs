@@ -2,20 +2,12 @@
 
 use super::Frames;
 use crate::state::channel::Channel;
+use crate::state::position::Place;
 use counterpoint_event::event::{FeedUnit, MAX_AXES, Position};
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::BySlot;
 
 impl Channel<'_> {
-    /// Change of each axis in geometry units (radius on a diameter axis).
-    pub(crate) fn changes(&self, from: &Position, to: &Position) -> Position {
-        let mut out = [0.0; MAX_AXES];
-        for (((slot, axis), a), b) in out.iter_mut().zip(&self.state.place.layout.axes).zip(from).zip(to) {
-            *slot = (b - a) * axis.scale;
-        }
-        out
-    }
-
     /// The changes that count for a feed. A degree counts as a unit of length of the program (Fanuc B-63174EN/03 4.2),
     /// unless degrees are distances along the part or its tip, or the control counts certain axes only.
     pub(crate) fn feed_ways(&self, changes: &Position) -> Position {
@@ -44,10 +36,21 @@ impl Channel<'_> {
         let turns = moves.fold(None, |turns, (axis, _)| Some(turns.unwrap_or(true) && axis.rotary));
         if turns == Some(true) && !self.turns_by_length() { feed / self.unit_factor(Dimension::Feed) } else { feed }
     }
+}
+
+impl Place {
+    /// Change of each axis in geometry units (radius on a diameter axis).
+    pub(crate) fn changes(&self, from: &Position, to: &Position) -> Position {
+        let mut out = [0.0; MAX_AXES];
+        for (((slot, axis), a), b) in out.iter_mut().zip(&self.layout.axes).zip(from).zip(to) {
+            *slot = (b - a) * axis.scale;
+        }
+        out
+    }
 
     /// Distance from the spindle axis at a position.
     pub(crate) fn radius(&self, position: &Position) -> f64 {
-        let x = self.state.place.layout.cartesian.first().copied().flatten();
-        x.map_or(0.0, |x| position.at(x) * self.state.place.layout.axes[x].scale)
+        let x = self.layout.cartesian.first().copied().flatten();
+        x.map_or(0.0, |x| position.at(x) * self.layout.axes[x].scale)
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct Feeds {
 impl Channel<'_> {
     /// How far the tip is from the line about which a rotary axis leads it over the part, at a point of the work frame.
     fn turn_radius(&self, from: &Position, axis: AxisSlot) -> f64 {
-        let machine = self.machine_point(from);
+        let machine = self.state.place.machine_point(from);
         let place = &self.state.place;
         let (linear, tool) = (place.geometry(&machine), place.geometry(&self.tool_shift()));
         let chain = self.chain();

@@ -18,7 +18,11 @@ impl Channel<'_> {
     /// The level at which a cycle starts. Where the control moves axes by changes of the tool length, a pending change
     /// is travelled on the way to the hole.
     pub(crate) fn cycle_level(&self, axis: AxisSlot) -> f64 {
-        let from = if self.env.machine.compensation.length.moves { self.counted() } else { self.programmed() };
+        let from = if self.env.machine.compensation.length.moves {
+            self.state.place.counted()
+        } else {
+            self.state.place.programmed()
+        };
         from.at(axis)
     }
 
@@ -27,10 +31,10 @@ impl Channel<'_> {
         let (_, axis) = self.state.cycle.axis.filter(|_| self.state.cycle.running)?;
         let [initial, reference] =
             [self.state.cycle.heights.initial, self.state.cycle.heights.reference].map(|level| {
-                let mut at = self.programmed();
+                let mut at = self.state.place.programmed();
                 *at.at_mut(axis) = level;
-                let work = self.work_point(&at);
-                self.machine_point(&work)
+                let work = self.state.place.work_point(&at);
+                self.state.place.machine_point(&work)
             });
         Some(Levels { axis, initial, reference })
     }
@@ -39,8 +43,8 @@ impl Channel<'_> {
     pub(crate) fn keep_levels(&mut self, levels: Option<Levels>) {
         let Some(Levels { axis, initial, reference }) = levels else { return };
         let [initial, reference] = [initial, reference].map(|machine| {
-            let work = self.point_of_machine(&machine);
-            Some(self.program_point(&work).at(axis)).filter(|level| level.is_finite())
+            let work = self.state.place.point_of_machine(&machine);
+            Some(self.state.place.program_point(&work).at(axis)).filter(|level| level.is_finite())
         });
         self.state.cycle.heights.initial = initial.unwrap_or(self.state.cycle.heights.initial);
         self.state.cycle.heights.reference = reference.unwrap_or(self.state.cycle.heights.reference);

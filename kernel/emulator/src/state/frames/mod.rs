@@ -18,6 +18,7 @@
 //! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
 
+mod compensated;
 mod distance;
 pub(crate) mod feeds;
 pub(crate) mod levels;
@@ -226,25 +227,45 @@ pub(crate) fn clean(value: f64, old: f64) -> f64 {
 }
 
 impl Channel<'_> {
+    /// Changes the transformation from the work frame to the axes: the axes and the contour keep their positions.
+    pub(crate) fn standing(&mut self, change: impl FnOnce(&mut Self)) {
+        let machine = self.state.place.machine_point(&self.state.place.position);
+        let contour = self
+            .state
+            .place
+            .cutter()
+            .map(|cutter| cutter.contour)
+            .map(|contour| self.state.place.machine_point(&contour));
+        change(self);
+        self.state.place.position = self.state.place.point_of_machine(&machine);
+        let contour = contour.map(|contour| self.state.place.point_of_machine(&contour));
+        if let (Some(cutter), Some(contour)) = (self.state.place.cutter(), contour) {
+            cutter.contour = contour;
+        }
+        self.state.place.frames_changed();
+    }
+}
+
+impl Place {
     /// Linear axes do not follow the work frame one by one.
     #[inline(always)]
     pub(crate) fn couples(&self) -> bool {
-        self.state.place.frames.as_deref().is_some_and(Frames::couples)
+        self.frames.as_deref().is_some_and(Frames::couples)
     }
 
     /// The programmed point where the channel is.
     #[inline(always)]
     pub(crate) fn programmed(&self) -> Position {
-        match &self.state.place.frames {
-            None => self.state.place.position,
+        match &self.frames {
+            None => self.position,
             Some(frames) => self.programmed_point(frames, &self.contour()),
         }
     }
 
     /// Where the program is in the work frame: beside the tool's place under compensation of the cutter radius.
     pub(crate) fn contour(&self) -> Position {
-        let cutter = self.state.place.frames.as_deref().and_then(|frames| frames.cutter.as_deref());
-        cutter.map_or(self.state.place.position, |cutter| cutter.contour)
+        let cutter = self.frames.as_deref().and_then(|frames| frames.cutter.as_deref());
+        cutter.map_or(self.position, |cutter| cutter.contour)
     }
 
     /// The programmed point of a point of the work frame.
@@ -257,59 +278,45 @@ impl Channel<'_> {
         }
         let mut point = *work;
         if let Some(polar) = frames.polar {
-            polar.to_program(&self.state.place, &mut point);
+            polar.to_program(self, &mut point);
         }
-        let seen = frames.seen(&self.state.place, &point);
-        frames.put(&self.state.place, &mut point, frames.local.to_program(seen));
-        frames.beside(&self.state.place, &mut point, Line::to_program);
+        let seen = frames.seen(self, &point);
+        frames.put(self, &mut point, frames.local.to_program(seen));
+        frames.beside(self, &mut point, Line::to_program);
         point
     }
 
     /// A programmed point as the local frame sees it.
     pub(crate) fn seen(&self, programmed: &Position) -> Point {
-        let frames = self.state.place.frames.as_deref();
-        frames
-            .map_or_else(|| self.state.place.geometry(programmed), |frames| frames.seen(&self.state.place, programmed))
+        let frames = self.frames.as_deref();
+        frames.map_or_else(|| self.geometry(programmed), |frames| frames.seen(self, programmed))
     }
 
     /// A point of the work frame as the local frame sees it from outside.
     pub(crate) fn seen_from_work(&self, work: &Position) -> Point {
         let mut point = *work;
         if let Some(polar) = self.polar() {
-            polar.to_program(&self.state.place, &mut point);
+            polar.to_program(self, &mut point);
         }
         self.seen(&point)
     }
 
-    /// Changes the transformation from the work frame to the axes: the axes and the contour keep their positions.
-    pub(crate) fn standing(&mut self, change: impl FnOnce(&mut Self)) {
-        let machine = self.machine_point(&self.state.place.position);
-        let contour = self.cutter().map(|cutter| cutter.contour).map(|contour| self.machine_point(&contour));
-        change(self);
-        self.state.place.position = self.point_of_machine(&machine);
-        let contour = contour.map(|contour| self.point_of_machine(&contour));
-        if let (Some(cutter), Some(contour)) = (self.cutter(), contour) {
-            cutter.contour = contour;
-        }
-        self.frames_changed();
-    }
-
     /// Any point of the work frame as it would be programmed.
     pub(crate) fn program_point(&self, work: &Position) -> Position {
-        self.state.place.frames.as_deref().map_or(*work, |frames| self.programmed_point(frames, work))
+        self.frames.as_deref().map_or(*work, |frames| self.programmed_point(frames, work))
     }
 
     /// The point of the work frame that the program means.
     #[inline(always)]
     pub(crate) fn work_point(&mut self, programmed: &Position) -> Position {
-        if self.state.place.frames.is_none() { *programmed } else { self.reach(programmed) }
+        if self.frames.is_none() { *programmed } else { self.reach(programmed) }
     }
 
     /// The same for a point to which the tool does not go.
     pub(crate) fn work_point_aside(&mut self, programmed: &Position) -> Position {
-        let reached = self.state.place.frames.as_deref().and_then(|frames| frames.reached);
+        let reached = self.frames.as_deref().and_then(|frames| frames.reached);
         let work = self.work_point(programmed);
-        if let Some(frames) = self.state.place.frames.as_deref_mut() {
+        if let Some(frames) = self.frames.as_deref_mut() {
             frames.reached = reached;
         }
         work
@@ -317,18 +324,17 @@ impl Channel<'_> {
 
     #[cold]
     fn reach(&mut self, programmed: &Position) -> Position {
-        let place = &self.state.place;
-        let Some(frames) = place.frames.as_deref() else { return *programmed };
+        let Some(frames) = self.frames.as_deref() else { return *programmed };
         let mut work = *programmed;
-        frames.put(place, &mut work, frames.local.to_work(frames.seen(place, programmed)));
-        frames.beside(place, &mut work, Line::to_work);
+        frames.put(self, &mut work, frames.local.to_work(frames.seen(self, programmed)));
+        frames.beside(self, &mut work, Line::to_work);
         for (slot, stands) in work.iter_mut().zip(self.contour()) {
             *slot = clean(*slot, stands);
         }
         if let Some(polar) = frames.polar {
-            polar.to_axes(place, &mut work);
+            polar.to_axes(self, &mut work);
         }
-        if let Some(frames) = self.state.place.frames.as_deref_mut() {
+        if let Some(frames) = self.frames.as_deref_mut() {
             frames.reached = Some([work, *programmed]);
         }
         work
@@ -338,13 +344,13 @@ impl Channel<'_> {
     #[inline(always)]
     pub(crate) fn machine_point(&self, work: &Position) -> Position {
         let mut machine = *work;
-        for (slot, shift) in machine.iter_mut().zip(&self.state.place.shift) {
+        for (slot, shift) in machine.iter_mut().zip(&self.shift) {
             *slot += shift;
         }
-        if let Some(frames) = self.state.place.frames.as_deref()
+        if let Some(frames) = self.frames.as_deref()
             && frames.couples()
         {
-            frames.to_linear(&self.state.place, work, &mut machine);
+            frames.to_linear(self, work, &mut machine);
         }
         machine
     }
@@ -353,13 +359,13 @@ impl Channel<'_> {
     #[inline(always)]
     pub(crate) fn point_of_machine(&self, machine: &Position) -> Position {
         let mut work = *machine;
-        for (slot, shift) in work.iter_mut().zip(&self.state.place.shift) {
+        for (slot, shift) in work.iter_mut().zip(&self.shift) {
             *slot -= shift;
         }
-        if let Some(frames) = self.state.place.frames.as_deref()
+        if let Some(frames) = self.frames.as_deref()
             && frames.couples()
         {
-            frames.to_part(&self.state.place, machine, &mut work);
+            frames.to_part(self, machine, &mut work);
         }
         work
     }
@@ -367,7 +373,7 @@ impl Channel<'_> {
     /// The same, with the axes that stay exactly where they are.
     pub(crate) fn way_of_machine(&self, machine: &Position) -> Position {
         let mut work = self.point_of_machine(machine);
-        for (slot, stands) in work.iter_mut().zip(&self.state.place.position) {
+        for (slot, stands) in work.iter_mut().zip(&self.position) {
             if (*slot - stands).abs() < NOISE {
                 *slot = *stands;
             }
@@ -377,16 +383,16 @@ impl Channel<'_> {
 
     /// The frames, made if there are none.
     pub(crate) fn frames(&mut self) -> &mut Frames {
-        self.state.place.frames.get_or_insert_default()
+        self.frames.get_or_insert_default()
     }
 
     /// Called after a change of the frames: the machine does not move, only the programmed point changes.
     pub(crate) fn frames_changed(&mut self) {
-        if let Some(frames) = self.state.place.frames.as_deref_mut() {
+        if let Some(frames) = self.frames.as_deref_mut() {
             frames.reached = None;
         }
-        if self.state.place.frames.as_deref().is_some_and(Frames::is_idle) {
-            self.state.place.frames = None;
+        if self.frames.as_deref().is_some_and(Frames::is_idle) {
+            self.frames = None;
         }
     }
 }

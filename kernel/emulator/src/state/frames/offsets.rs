@@ -41,6 +41,58 @@ pub(crate) struct Offsets {
     turned: BTreeMap<u32, Affine>,
 }
 
+impl Offsets {
+    /// Rotation of a work offset.
+    pub(crate) fn turn(&self, number: u32) -> Option<Affine> {
+        self.turned.get(&number).copied()
+    }
+
+    /// Stores the rotation of a work offset, which takes effect when the frame is rebuilt; `false` when there is no
+    /// room for it.
+    pub(crate) fn store_turn(&mut self, number: u32, turn: Option<Affine>) -> bool {
+        let turned = &mut self.turned;
+        match turn {
+            None => {
+                turned.remove(&number);
+            }
+            Some(_) if turned.len() >= MOST && !turned.contains_key(&number) => return false,
+            Some(turn) => {
+                turned.insert(number, turn);
+            }
+        }
+        true
+    }
+
+    /// Stores an offset, which is not active before the frame is made again; `false` when there is no room for it or it
+    /// is out of all bounds.
+    pub(crate) fn store(&mut self, table: Table, number: u32, values: Position) -> bool {
+        if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
+            return false;
+        }
+        let slot = match table {
+            Table::Work => &mut self.work,
+            Table::Length => &mut self.length,
+            Table::Wear => &mut self.wear,
+        };
+        if slot.len() >= MOST && !slot.contains_key(&number) {
+            return false;
+        }
+        slot.insert(number, values);
+        true
+    }
+
+    /// Sets the direction of the imaginary tip; `false` when there is no room for it or no such direction.
+    pub(crate) fn set_tip(&mut self, number: u32, value: f64) -> bool {
+        let tips = &mut self.tip;
+        let possible = (0.0..=9.0).contains(&value) && value.fract() == 0.0;
+        if !possible || tips.len() >= MOST && !tips.contains_key(&number) {
+            return false;
+        }
+        tips.insert(number, value as u8);
+        true
+    }
+}
+
 /// A table of offsets with a value per axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Table {
@@ -115,46 +167,6 @@ impl Channel<'_> {
         position
     }
 
-    /// Rotation of a work offset.
-    pub(crate) fn offset_turn(&self, number: u32) -> Option<Affine> {
-        self.state.place.offsets.as_deref().and_then(|offsets| offsets.turned.get(&number)).copied()
-    }
-
-    /// Stores the rotation of a work offset, which takes effect when the frame is rebuilt; `false` when there is no
-    /// room for it.
-    pub(crate) fn store_turn(&mut self, number: u32, turn: Option<Affine>) -> bool {
-        let turned = &mut self.state.place.offsets.get_or_insert_default().turned;
-        match turn {
-            None => {
-                turned.remove(&number);
-            }
-            Some(_) if turned.len() >= MOST && !turned.contains_key(&number) => return false,
-            Some(turn) => {
-                turned.insert(number, turn);
-            }
-        }
-        true
-    }
-
-    /// Stores an offset, which is not active before the frame is made again; `false` when there is no room for it or it
-    /// is out of all bounds.
-    pub(crate) fn store_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
-        if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
-            return false;
-        }
-        let offsets = self.state.place.offsets.get_or_insert_default();
-        let slot = match table {
-            Table::Work => &mut offsets.work,
-            Table::Length => &mut offsets.length,
-            Table::Wear => &mut offsets.wear,
-        };
-        if slot.len() >= MOST && !slot.contains_key(&number) {
-            return false;
-        }
-        slot.insert(number, values);
-        true
-    }
-
     /// Length and wear of an offset together.
     pub(crate) fn worn_length(&self, number: u32) -> Position {
         let mut values = self.offset_values(Table::Length, number);
@@ -199,17 +211,6 @@ impl Channel<'_> {
         let set = self.state.place.offsets.as_deref().and_then(|offsets| offsets.tip.get(&number)).copied();
         let own = || self.env.machine.tool.offsets.iter().find(|offset| offset.number == number).map_or(0, |o| o.tip);
         set.unwrap_or_else(own)
-    }
-
-    /// Sets the direction of the imaginary tip; `false` when there is no room for it or no such direction.
-    pub(crate) fn set_offset_tip(&mut self, number: u32, value: f64) -> bool {
-        let tips = &mut self.state.place.offsets.get_or_insert_default().tip;
-        let possible = (0.0..=9.0).contains(&value) && value.fract() == 0.0;
-        if !possible || tips.len() >= MOST && !tips.contains_key(&number) {
-            return false;
-        }
-        tips.insert(number, value as u8);
-        true
     }
 
     /// Sets a radius; `false` when there is no room for it or it is out of all bounds.

@@ -211,22 +211,17 @@ fn in_order(round_first: bool, [one, other]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Channel<'_> {
-    /// Polar or cylindrical interpolation, if it is active.
-    pub(crate) fn polar(&self) -> Option<Polar> {
-        self.state.place.frames.as_deref().and_then(|frames: &Frames| frames.polar)
-    }
-
     /// Change of each coordinate that the feed counts: under polar and cylindrical interpolation those of the
     /// part.
     #[inline(always)]
     pub(crate) fn feed_changes(&self, from: &Position, to: &Position) -> Position {
-        let changes = self.changes(from, to);
+        let changes = self.state.place.changes(from, to);
         if self.state.place.frames.is_none() { changes } else { self.part_changes(changes, from, to) }
     }
 
     #[cold]
     fn part_changes(&self, mut changes: Position, from: &Position, to: &Position) -> Position {
-        if self.tip().is_some() {
+        if self.state.place.tip().is_some() {
             // The feed is that of the tip; where the tip does not move, that of the rotary axes.
             let linear =
                 changes.iter().zip(&self.state.place.layout.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
@@ -238,12 +233,19 @@ impl Channel<'_> {
         } else if self.state.place.frames.as_deref().is_some_and(|frames| frames.feeds.rotary_length) {
             self.as_ways(&mut changes, from);
         }
-        let Some(polar) = self.polar() else { return changes };
+        let Some(polar) = self.state.place.polar() else { return changes };
         let [before, after] = [from, to].map(|point| polar.part(&self.state.place, point));
         for (axis, (a, b)) in polar.axes().into_iter().zip(before.into_iter().zip(after)) {
             *changes.at_mut(axis) = b - a;
         }
         changes
+    }
+}
+
+impl Place {
+    /// Polar or cylindrical interpolation, if it is active.
+    pub(crate) fn polar(&self) -> Option<Polar> {
+        self.frames.as_deref().and_then(|frames: &Frames| frames.polar)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::offsets::{BASE, Table};
 use crate::state::channel::Channel;
 use crate::state::modal::group;
+use crate::state::position::Place;
 use counterpoint_dialect::NO_OFFSET;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_machine::ident::{CodeId, codes};
@@ -20,7 +21,7 @@ impl Channel<'_> {
         if place.in_force.tool_offset != BASE {
             add(self.worn_length(place.in_force.tool_offset));
             if place.offsets.is_some() && place.in_force.length_sign == 0.0 {
-                add(self.directed(self.offset_values(Table::Length, BASE)));
+                add(self.state.place.directed(self.offset_values(Table::Length, BASE)));
             }
         }
         shift
@@ -41,7 +42,7 @@ impl Channel<'_> {
             add(self.length_values());
         }
         if place.offsets.is_some() {
-            add(self.directed(self.offset_values(Table::Length, BASE)));
+            add(self.state.place.directed(self.offset_values(Table::Length, BASE)));
         }
         let off = |slot: &AxisSlot| in_force.length_off & slot.bit() != 0;
         place.layout.axes.ids().filter(off).for_each(|slot| *shift.at_mut(slot) = 0.0);
@@ -51,7 +52,7 @@ impl Channel<'_> {
     /// Values of the active length offset.
     fn length_values(&self) -> Position {
         let in_force = &self.state.place.in_force;
-        in_force.length_held.unwrap_or_else(|| self.directed(self.worn_length(in_force.length_number)))
+        in_force.length_held.unwrap_or_else(|| self.state.place.directed(self.worn_length(in_force.length_number)))
     }
 
     /// Called before an offset gets new values: if the control changes the active values only by a word, keeps the old
@@ -77,7 +78,7 @@ impl Channel<'_> {
     /// positions.
     pub(crate) fn tool_in_machine_frame(&self) -> Position {
         let added = self.env.machine.compensation.length.in_machine_frame == LengthInMachineFrame::Added;
-        if added && self.tip().is_none() { self.tool_shift() } else { [0.0; MAX_AXES] }
+        if added && self.state.place.tip().is_none() { self.tool_shift() } else { [0.0; MAX_AXES] }
     }
 
     /// Distance of the work frame from the frame in which positions of the machine frame are programmed.
@@ -103,22 +104,6 @@ impl Channel<'_> {
         shift
     }
 
-    /// Length compensation along one direction, with the amount that the offset has along Z.
-    pub(crate) fn directed(&self, values: Position) -> Position {
-        let direction = self.state.place.compensation.direction;
-        if direction == 0 {
-            return values;
-        }
-        let axis = |role: usize| self.state.place.layout.cartesian.get(role).copied().flatten();
-        let amount = axis(2).map_or(0.0, |z| values.at(z));
-        let mut turned = [0.0; counterpoint_event::event::MAX_AXES];
-        let role = usize::from((direction - 1) % 3);
-        if let Some(axis) = axis(role) {
-            *turned.at_mut(axis) = if direction > 3 { -amount } else { amount } / self.state.place.scale_of(role);
-        }
-        turned
-    }
-
     /// Whether the tool word carries the offset number.
     pub(crate) fn is_turning(&self) -> bool {
         self.env.machine.tool.offset_digits > 0
@@ -133,5 +118,23 @@ impl Channel<'_> {
     /// The offset whose radius paths keep from contours where they are compensated.
     pub(crate) fn diameter_number(&self) -> u32 {
         if self.is_turning() { self.state.place.in_force.tool_offset } else { self.state.remembered.diameter() }
+    }
+}
+
+impl Place {
+    /// Length compensation along one direction, with the amount that the offset has along Z.
+    pub(crate) fn directed(&self, values: Position) -> Position {
+        let direction = self.compensation.direction;
+        if direction == 0 {
+            return values;
+        }
+        let axis = |role: usize| self.layout.cartesian.get(role).copied().flatten();
+        let amount = axis(2).map_or(0.0, |z| values.at(z));
+        let mut turned = [0.0; counterpoint_event::event::MAX_AXES];
+        let role = usize::from((direction - 1) % 3);
+        if let Some(axis) = axis(role) {
+            *turned.at_mut(axis) = if direction > 3 { -amount } else { amount } / self.scale_of(role);
+        }
+        turned
     }
 }

@@ -126,21 +126,6 @@ impl Frames {
 }
 
 impl Channel<'_> {
-    /// The active plane.
-    pub(crate) fn tilted(&self) -> Option<&Tilted> {
-        self.state.place.frames.as_deref().and_then(|frames| frames.tilt.as_deref())
-    }
-
-    /// From the program to the part without the new plane: the transformations outside it.
-    pub(crate) fn around_plane(&self, add: bool) -> Affine {
-        let Some(frames) = self.state.place.frames.as_deref() else { return Affine::SAME };
-        match &frames.tilt {
-            Some(tilt) if add => tilt.map.after(frames.local.map()),
-            Some(tilt) => *tilt.outer.map(),
-            None => *frames.local.map(),
-        }
-    }
-
     /// Makes a plane the active one; `false` if it has no way back. The machine does not move.
     pub(crate) fn tilt(&mut self, map: Affine, angles: Option<Turned>) -> bool {
         let Some(back) = map.inverse() else { return false };
@@ -186,16 +171,16 @@ impl Channel<'_> {
         let levels = self.cycle_levels();
         let before = self.counts_from();
         self.standing(|channel| {
-            let frames = channel.frames();
+            let frames = channel.state.place.frames();
             (frames.tilt, frames.local, frames.parts) = (tilt, local, None);
         });
-        self.keep_ways(before);
+        self.state.place.keep_ways(before);
         self.keep_levels(levels);
     }
 
     /// Where tables bring the part and heads the tool at these angles.
     fn brought(&self, angles: &Turned) -> [Affine; 3] {
-        let machine = self.machine_point(&self.state.place.position);
+        let machine = self.state.place.machine_point(&self.state.place.position);
         let chain = self.chain();
         let angle = |axis: AxisSlot| {
             angles.iter().find(|(at, _)| *at == axis).map_or_else(|| machine.at(axis), |(_, angle)| *angle)
@@ -210,29 +195,6 @@ impl Channel<'_> {
         if let Some(tilt) = self.state.place.frames.as_deref_mut().and_then(|frames| frames.tilt.as_deref_mut()) {
             tilt.tool = tool;
         }
-    }
-
-    /// The word that brings a rotary axis to an angle of the machine frame.
-    pub(crate) fn programmed_angle(&self, axis: AxisSlot, angle: f64) -> f64 {
-        let work = angle - self.state.place.shift.at(axis);
-        self.line_of(axis).map_or(work, |line| line.to_program(work))
-    }
-
-    /// The angle of the machine frame that a word of a rotary axis means.
-    pub(crate) fn machine_angle(&self, axis: AxisSlot, word: f64) -> f64 {
-        self.line_of(axis).map_or(word, |line| line.to_work(word)) + self.state.place.shift.at(axis)
-    }
-
-    /// The linear map of an axis other than X, Y and Z in the local frame.
-    pub(crate) fn line_of(&self, axis: AxisSlot) -> Option<Line> {
-        let beside = self.state.place.frames.as_deref()?.beside.as_deref()?;
-        Some(beside.map().at(axis))
-    }
-
-    /// A rotary axis as it stands.
-    pub(crate) fn stand(&self, axis: AxisSlot) -> Stand {
-        let at = self.state.place.position.at(axis) + self.state.place.shift.at(axis);
-        Stand { at, travel: self.state.place.layout.axes[axis].limits }
     }
 
     /// The angles that turn into a plane.
@@ -252,18 +214,22 @@ impl Channel<'_> {
             _ => Free::Stays,
         };
         let rule = Rule { turns, way, side, free };
-        chain.reach(map.direction(z), &rule, |axis| self.stand(axis))
+        chain.reach(map.direction(z), &rule, |axis| self.state.place.stand(axis))
     }
 
     /// The rotary axis of the table that carries the part, with its direction as the program sees it; none without one
     /// or under control of the tip.
     pub(crate) fn part_table(&self) -> Option<(AxisSlot, Point)> {
-        let machine = self.machine_point(&self.state.place.position);
+        let machine = self.state.place.machine_point(&self.state.place.position);
         let chain = self.chain();
-        let table = chain.tables.last().filter(|_| self.tip().is_none())?;
+        let table = chain.tables.last().filter(|_| self.state.place.tip().is_none())?;
         let stands = unit(chain.part(|axis| machine.at(axis)).direction(table.vector))?;
-        let back =
-            self.tilted().and_then(|tilt| tilt.bring.as_ref()).map_or(stands, |[_, back, _]| back.direction(stands));
+        let back = self
+            .state
+            .place
+            .tilted()
+            .and_then(|tilt| tilt.bring.as_ref())
+            .map_or(stands, |[_, back, _]| back.direction(stands));
         let frames = self.state.place.frames.as_deref();
         Some((table.axis, frames.map_or(Some(back), |frames| frames.direction_back(back))?))
     }
@@ -273,6 +239,46 @@ impl Channel<'_> {
         let [_, back, head] = self.brought(angles);
         let [x, z] = [UNITS[0], UNITS[2]].map(|unit| back.direction(head.direction(unit)));
         counterpoint_motion::frame::plane::of_directions(x, z)
+    }
+}
+
+impl Place {
+    /// The active plane.
+    pub(crate) fn tilted(&self) -> Option<&Tilted> {
+        self.frames.as_deref().and_then(|frames| frames.tilt.as_deref())
+    }
+
+    /// From the program to the part without the new plane: the transformations outside it.
+    pub(crate) fn around_plane(&self, add: bool) -> Affine {
+        let Some(frames) = self.frames.as_deref() else { return Affine::SAME };
+        match &frames.tilt {
+            Some(tilt) if add => tilt.map.after(frames.local.map()),
+            Some(tilt) => *tilt.outer.map(),
+            None => *frames.local.map(),
+        }
+    }
+
+    /// The word that brings a rotary axis to an angle of the machine frame.
+    pub(crate) fn programmed_angle(&self, axis: AxisSlot, angle: f64) -> f64 {
+        let work = angle - self.shift.at(axis);
+        self.line_of(axis).map_or(work, |line| line.to_program(work))
+    }
+
+    /// The angle of the machine frame that a word of a rotary axis means.
+    pub(crate) fn machine_angle(&self, axis: AxisSlot, word: f64) -> f64 {
+        self.line_of(axis).map_or(word, |line| line.to_work(word)) + self.shift.at(axis)
+    }
+
+    /// The linear map of an axis other than X, Y and Z in the local frame.
+    pub(crate) fn line_of(&self, axis: AxisSlot) -> Option<Line> {
+        let beside = self.frames.as_deref()?.beside.as_deref()?;
+        Some(beside.map().at(axis))
+    }
+
+    /// A rotary axis as it stands.
+    pub(crate) fn stand(&self, axis: AxisSlot) -> Stand {
+        let at = self.position.at(axis) + self.shift.at(axis);
+        Stand { at, travel: self.layout.axes[axis].limits }
     }
 }
 

@@ -129,11 +129,6 @@ impl Channel<'_> {
         Chain { tables: side(true), heads: side(false), tool }
     }
 
-    /// Active tool tip control.
-    pub(crate) fn tip(&self) -> Option<&Tip> {
-        self.state.place.frames.as_deref().and_then(|frames| frames.tip.as_deref())
-    }
-
     /// Whether the channel has axes that tilt the tool.
     pub(crate) fn can_tilt(&self) -> bool {
         self.chain().is_possible() && !self.state.place.has_axes().contains(&false)
@@ -158,13 +153,13 @@ impl Channel<'_> {
             }
         }
         let levels = self.cycle_levels();
-        self.standing(|channel| channel.frames().tip = Some(Box::new(Tip { chain, tool, with_length })));
+        self.standing(|channel| channel.state.place.frames().tip = Some(Box::new(Tip { chain, tool, with_length })));
         self.keep_levels(levels);
     }
 
     /// Switches it off; `false` if it was. The machine does not move.
     pub(crate) fn end_tip(&mut self) -> bool {
-        if self.tip().is_none() {
+        if self.state.place.tip().is_none() {
             return false;
         }
         let levels = self.cycle_levels();
@@ -179,7 +174,7 @@ impl Channel<'_> {
 
     /// Takes over new offsets of the tool, and new settings; the point of the program is found again by the caller.
     pub(crate) fn refresh_tip(&mut self) {
-        if self.tip().is_none() {
+        if self.state.place.tip().is_none() {
             return;
         }
         let (chain, tool) = (self.chain(), self.tool_shift());
@@ -201,13 +196,20 @@ impl Channel<'_> {
         let Some(frames) = self.state.place.frames.as_deref() else { return direction };
         frames.direction_back(direction).and_then(unit).unwrap_or(direction)
     }
+}
+
+impl Place {
+    /// Active tool tip control.
+    pub(crate) fn tip(&self) -> Option<&Tip> {
+        self.frames.as_deref().and_then(|frames| frames.tip.as_deref())
+    }
 
     /// Puts the angles of a solution next to where the axes are, in the work frame.
     pub(crate) fn near(&self, solution: &Angles<AxisSlot>) -> Angles<AxisSlot> {
         let near = |(axis, angle): &(AxisSlot, Option<f64>)| {
-            let stands = at(&self.state.place.position, *axis);
+            let stands = at(&self.position, *axis);
             let angle = angle.map_or(stands, |angle| {
-                let angle = angle - at(&self.state.place.shift, *axis);
+                let angle = angle - at(&self.shift, *axis);
                 next_to(angle, stands)
             });
             (*axis, Some(super::clean(angle, stands) + 0.0))
@@ -217,14 +219,14 @@ impl Channel<'_> {
 
     /// How far the axes would have to turn.
     pub(crate) fn turned(&self, solution: &Angles<AxisSlot>) -> f64 {
-        solution.iter().map(|(axis, angle)| (angle.unwrap_or(0.0) - at(&self.state.place.position, *axis)).abs()).sum()
+        solution.iter().map(|(axis, angle)| (angle.unwrap_or(0.0) - at(&self.position, *axis)).abs()).sum()
     }
 
     /// Whether the axes stay within their limits.
     pub(crate) fn within(&self, solution: &Angles<AxisSlot>) -> bool {
         solution.iter().all(|(axis, angle)| {
-            let machine = angle.unwrap_or(0.0) + at(&self.state.place.shift, *axis);
-            let limits = self.state.place.layout.axes[*axis].limits;
+            let machine = angle.unwrap_or(0.0) + at(&self.shift, *axis);
+            let limits = self.layout.axes[*axis].limits;
             limits.is_none_or(|(low, high)| (low..=high).contains(&machine))
         })
     }

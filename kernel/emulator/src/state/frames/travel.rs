@@ -7,18 +7,21 @@
 
 use super::NOISE;
 use crate::state::channel::Channel;
+use crate::state::position::Place;
 use counterpoint_event::event::{MAX_AXES, Position};
 
 impl Channel<'_> {
     /// Reference of incremental words, if it is not the position of the axes after a change of frames.
     pub(crate) fn counts_from(&self) -> Option<Position> {
-        (self.env.machine.habits.frame_increments || self.block.flags.travels).then(|| self.counted())
+        (self.env.machine.habits.frame_increments || self.block.flags.travels).then(|| self.state.place.counted())
     }
+}
 
+impl Place {
     /// The values that the axes were programmed to.
     pub(crate) fn counted(&self) -> Position {
         let mut from = self.programmed();
-        if let Some(ways) = self.state.place.frames.as_deref().and_then(|frames| frames.ways.as_deref()) {
+        if let Some(ways) = self.frames.as_deref().and_then(|frames| frames.ways.as_deref()) {
             for (slot, way) in from.iter_mut().zip(ways) {
                 *slot += way;
             }
@@ -36,7 +39,7 @@ impl Channel<'_> {
             *slot = if way.abs() < NOISE { 0.0 } else { way };
         }
         let ways = ways.iter().any(|way| *way != 0.0).then(|| Box::new(ways));
-        if ways.is_some() || self.state.place.frames.is_some() {
+        if ways.is_some() || self.frames.is_some() {
             self.frames().ways = ways;
             self.frames_changed();
         }
@@ -44,7 +47,7 @@ impl Channel<'_> {
 
     /// Axes that were programmed have no way left.
     pub(crate) fn ways_travelled(&mut self, coded: u8) {
-        let Some(frames) = self.state.place.frames.as_deref_mut() else { return };
+        let Some(frames) = self.frames.as_deref_mut() else { return };
         let Some(ways) = frames.ways.as_deref_mut() else { return };
         for (at, way) in ways.iter_mut().enumerate() {
             if coded & 1 << at != 0 {

@@ -3,7 +3,7 @@
 //! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror cancels the
 //! previous one; of rotations and centres the newest counts.
 
-use crate::state::channel::Channel;
+use crate::state::position::Place;
 use counterpoint_event::event::{MAX_AXES, Position};
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::local::Part;
@@ -20,11 +20,11 @@ pub(crate) struct FrameValues {
     pub(crate) center: Point,
 }
 
-impl Channel<'_> {
+impl Place {
     /// The sum of all translations of axes other than X, Y and Z.
     pub(crate) fn beside_shift(&self) -> Position {
         let mut shift = [0.0; MAX_AXES];
-        let frames = self.state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref());
+        let frames = self.frames.as_deref().and_then(|frames| frames.beside.as_deref());
         for lines in frames.into_iter().flat_map(|beside| beside.parts(Part::Translate)) {
             for (slot, line) in shift.iter_mut().zip(lines) {
                 *slot += line.shift;
@@ -35,7 +35,7 @@ impl Channel<'_> {
 
     /// Mirrored axes other than X, Y and Z, one bit each.
     pub(crate) fn beside_mirrors(&self) -> u8 {
-        let frames = self.state.place.frames.as_deref().and_then(|frames| frames.beside.as_deref());
+        let frames = self.frames.as_deref().and_then(|frames| frames.beside.as_deref());
         let mirrors = frames.into_iter().flat_map(|beside| beside.parts(Part::Mirror));
         mirrors.fold(0, |bits, lines| {
             let mirrored = lines.iter().enumerate().filter(|(_, line)| line.factor < 0.0);
@@ -54,7 +54,7 @@ impl Channel<'_> {
             mirror: [0.0; 3],
             center: [0.0; 3],
         };
-        let Some(local) = self.state.place.frames.as_deref().map(|frames| &frames.local) else { return values };
+        let Some(local) = self.frames.as_deref().map(|frames| &frames.local) else { return values };
         for given in local.parts(Part::Translate) {
             each(&mut values.translation, given.values, |all, one| all + one);
         }
@@ -69,7 +69,7 @@ impl Channel<'_> {
         }
         values.center = local.center().unwrap_or_default();
         for (role, (shift, center)) in values.translation.iter_mut().zip(&mut values.center).enumerate() {
-            let scale = self.state.place.scale_of(role);
+            let scale = self.scale_of(role);
             (*shift, *center) = (*shift / scale, *center / scale);
         }
         values

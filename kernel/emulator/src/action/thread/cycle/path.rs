@@ -45,7 +45,7 @@ impl Act<'_, '_> {
                 format!("the thread of '{}' has too many passes, the rest is cut in one pass", self.block_text());
             self.diagnose(&diag::THREAD_PASSES, text);
         }
-        let level = self.channel().programmed().at(thread.axes[1]) * thread.scales[1];
+        let level = self.channel().state.place.programmed().at(thread.axes[1]) * thread.scales[1];
         let outward = thread.outward(level);
         let flank = libm::tan(self.channel().state.threads.cycle.nose.to_radians() / 2.0);
         let mut first = true;
@@ -70,7 +70,7 @@ impl Act<'_, '_> {
     /// One pass that ends at `root` across and begins `shift` further along.
     pub(super) fn pass(&mut self, thread: &Thread, root: f64, shift: f64) -> Acted {
         let [along, across] = thread.axes;
-        let home = self.channel().programmed();
+        let home = self.channel().state.place.programmed();
         let of = |axis: AxisSlot| home.at(axis);
         let level = of(across) * thread.scales[1];
         let way = thread.end - thread.begin;
@@ -83,7 +83,7 @@ impl Act<'_, '_> {
         if let Some(chamfer) = chamfer {
             self.chamfer(thread, &chamfer, (last - begin).abs())?;
         }
-        let mut clear = self.channel().programmed();
+        let mut clear = self.channel().state.place.programmed();
         *clear.at_mut(across) = of(across);
         self.rapid_to_point(across.bit(), clear)?;
         self.rapid_to_point(along.bit(), home)
@@ -91,7 +91,7 @@ impl Act<'_, '_> {
 
     /// A position with these places along and across the thread.
     fn place_of(&self, thread: &Thread, places: [f64; 2]) -> Position {
-        let mut target = self.channel().programmed();
+        let mut target = self.channel().state.place.programmed();
         for ((axis, scale), value) in thread.axes.iter().zip(thread.scales).zip(places) {
             let (slot, wanted) = (target.at_mut(*axis), value / scale);
             // Digits of sums after the ninth were not programmed.
@@ -102,7 +102,7 @@ impl Act<'_, '_> {
 
     /// Bit of an axis if it moves to the target.
     fn moved(&self, axis: AxisSlot, target: &Position) -> u8 {
-        if self.channel().programmed().at(axis) == target.at(axis) { 0 } else { axis.bit() }
+        if self.channel().state.place.programmed().at(axis) == target.at(axis) { 0 } else { axis.bit() }
     }
 
     fn rapid_aside(&mut self, thread: &Thread, places: [f64; 2]) -> Acted {

@@ -45,7 +45,7 @@ pub(super) fn points(act: &mut Act<'_, '_>, ids: [DataId; 2], axes: bool) -> [Op
         let of = |list: &Position| list.at(axis);
         *slot = datum.map(|datum| {
             if datum.incremental || relative && !datum.absolute {
-                of(&act.channel().programmed()) + datum.value
+                of(&act.channel().state.place.programmed()) + datum.value
             } else if act.channel().block.flags.machine_frame {
                 datum.value - act.channel().shift_in_machine_frame(axis)
             } else {
@@ -203,7 +203,7 @@ pub(super) fn thread(
     let order = |[x, z]: [Option<f64>; 2]| if kind.face { [x, z] } else { [z, x] };
     let (start, end, offset) = (order(start), order(end), order(offset));
     let scales = axes.map(|axis| act.channel().state.place.layout.axes[axis].scale);
-    let place = act.channel().programmed();
+    let place = act.channel().state.place.programmed();
     let here = axes.map(|axis| place.at(axis));
     if end.iter().any(Option::is_none) {
         let text = format!("a thread needs its end along X and Z in '{}'", act.block_text());

@@ -1,0 +1,34 @@
+//! The active compensation of a channel.
+//!
+//! *Invariant:* without frames there is no compensation.
+
+use crate::state::cutter::Cutter;
+use crate::state::position::Place;
+
+impl Place {
+    /// Compensation, if it is active.
+    pub(crate) fn cutter(&mut self) -> Option<&mut Cutter> {
+        self.frames.as_deref_mut()?.cutter.as_deref_mut()
+    }
+
+    /// The clock is set to later by this, ns: so are the moves that compensation keeps.
+    pub(crate) fn delay_waiting_moves(&mut self, ns: i64) {
+        if let Some(cutter) = self.cutter().filter(|_| ns != 0) {
+            cutter.waiting.iter_mut().for_each(|waiting| waiting.clock += ns);
+        }
+    }
+
+    /// Compensation takes moves of this kernel.
+    #[inline(always)]
+    pub(crate) fn is_compensated(&self) -> bool {
+        self.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())
+    }
+
+    /// Records the end of compensation.
+    pub(crate) fn forget_cutter(&mut self) {
+        if let Some(frames) = self.frames.as_deref_mut() {
+            frames.cutter = None;
+        }
+        self.frames_changed();
+    }
+}
