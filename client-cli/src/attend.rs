@@ -184,7 +184,9 @@ impl Attendant {
         };
         self.lines = Some(lines);
         match entry {
-            Entry::Closed => say::status_line(styled(DIM, "\n  already answered by another client")),
+            Entry::Closed => {
+                say::status_line(styled(DIM, "\n  closed: another client has answered, or the run was stopped"))
+            }
             Entry::Expired => say::status_line(styled(WARN, EXPIRED)),
             Entry::End => say::status_line(styled(DIM, "\n  declined: end of input")),
             Entry::Line(_) => {}

@@ -10,7 +10,7 @@ use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::event_line::event_line;
-use crate::job_status::{held, json_line};
+use crate::job_status::{held, json_line, waits};
 use crate::many::Act;
 use crate::outcome::{ended, ended_by_name};
 use crate::output_folder::{OutputFolder, drawn_timeline};
@@ -74,6 +74,10 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let mut progress = Progress::new(arguments.quiet);
     let mut watch = client.watch(&job, v1::WatchLevel::Diagnostics);
     let (mut files, mut said) = (Vec::new(), None);
+    let now = client.jobs().get_job(v1::GetJobRequest { job_id: job.clone() }).await?.into_inner().status;
+    if let Some(reason) = now.as_ref().and_then(waits) {
+        progress.note(&reason);
+    }
     loop {
         match watch.next().await.map_err(|error| Error::from(error).of_job(&job))? {
             Update::Events(batch) => {
@@ -133,11 +137,12 @@ async fn wait(arguments: Wait) -> Result<u8, Error> {
     for job in &jobs::to_wait_for(&client, &arguments).await? {
         let mut said = None;
         let say_held = |status: &v1::JobStatus| {
-            let kind = (status.paused, status.operator_wait.map(|wait| wait.action));
-            if !quiet && said.replace(kind) != Some(kind) {
-                held(job, status.operator_wait.as_ref(), status.paused).iter().for_each(|held| {
-                    say::status_line(format!("{job}  {held}"));
-                });
+            let queued = waits(status);
+            let kind = (status.paused, status.operator_wait.map(|wait| wait.action), queued.clone());
+            if !quiet && said.as_ref() != Some(&kind) {
+                let held = held(job, status.operator_wait.as_ref(), status.paused).or(queued);
+                held.iter().for_each(|held| say::status_line(format!("{job}  {held}")));
+                said = Some(kind);
             }
         };
         let status = client.wait(job, say_held).await.map_err(|error| error.of_job(job))?;

@@ -14,7 +14,7 @@ from .errors import FieldError, JobFailed, Refused, UnknownMachine, Unreachable
 from .timeline import Bar, Channel, Timeline, draw
 from .v1.jobs_pb2 import JobLimits, JobOptions, JobStatus
 from .watching import Event, Progress, print_progress
-from .words import cause_name, first_error, limit_name, operator_wait, state_name
+from .words import cause_name, first_error, limit_name, operator_wait, state_name, worker_wait
 
 __all__ = [
     "Bar",
@@ -38,4 +38,5 @@ __all__ = [
     "operator_wait",
     "print_progress",
     "state_name",
+    "worker_wait",
 ]

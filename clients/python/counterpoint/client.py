@@ -13,7 +13,8 @@ from .results import Results
 from .settings import StrPath, resolve
 from .v1 import blobs_pb2, jobs_pb2, machines_pb2
 from .watching import Watching, ended
-from .words import When, ago, deadline_ms, milliseconds, operator_wait, priority as priority_of, states as states_of
+from .words import When, ago, deadline_ms, milliseconds, operator_wait, worker_wait
+from .words import priority as priority_of, states as states_of
 
 CHUNK = 64 * 1024
 #: Digests in one question.
@@ -135,7 +136,7 @@ class Client(Watching, Dialogs, Results):
         """Waits for the end of a job, without events; returns its status.
 
         timeout: maximum wait, s, even if the server cannot be reached; then raises TimeoutError; its text says
-        if the job waits for an operator. Raises JobFailed if the job could not be run.
+        if the job waits for an operator or a worker. Raises JobFailed if the job could not be run.
         """
         if timeout is not None:
             try:
@@ -157,7 +158,7 @@ class Client(Watching, Dialogs, Results):
             if status.ended_ms:
                 return status
             if time.monotonic() >= until:
-                raise TimeoutError(operator_wait(status))
+                raise TimeoutError(operator_wait(status) or worker_wait(status))
 
     def jobs(
         self,

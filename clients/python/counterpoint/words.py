@@ -47,6 +47,16 @@ def operator_wait(of: Union[jobs_pb2.JobStatus, jobs_pb2.Progress]) -> str:
     return f"waits for {client} until {until:%Y-%m-%d %H:%M:%S} UTC"
 
 
+def worker_wait(status: jobs_pb2.JobStatus) -> str:
+    """The wait of a queued job for a worker that jobs of its tenant hold; empty if the job does not wait for one."""
+    if not status.HasField("worker_wait"):
+        return ""
+    wait = status.worker_wait
+    held = f"waits for a worker: jobs of its tenant use all {wait.workers}"
+    quota = " of its quota tenant_running" if wait.tenant_running else ""
+    return f"{held}{quota}; {wait.waiting_for_client} of them wait for a client"
+
+
 def states(names: Union[str, Iterable[str]]) -> List["jobs_pb2.JobState.ValueType"]:
     """States by name, in any letter case; one name is a list of one."""
     names = [names] if isinstance(names, str) else names

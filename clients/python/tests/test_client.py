@@ -17,6 +17,7 @@ import grpc
 
 from counterpoint import Client, Event, JobFailed, JobOptions, JobStatus, Progress, Refused, UnknownMachine
 from counterpoint import cause_name, draw, first_error, limit_name, operator_wait, print_progress, state_name
+from counterpoint import worker_wait
 from counterpoint.v1 import blobs_pb2, blobs_pb2_grpc, jobs_pb2, machines_pb2, machines_pb2_grpc
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / "examples" / "two-turret"
@@ -227,6 +228,14 @@ class Against(unittest.TestCase):
         for since in [day, -day]:
             self.assertEqual([one.job_id for one in self.client.jobs("succeeded", labels=labels, since=since)], [job])
         self.assertEqual(list(self.client.jobs(labels=labels, until=day)), [])
+
+    def test_a_queued_job_names_its_wait_for_a_worker(self) -> None:
+        self.assertEqual(worker_wait(jobs_pb2.JobStatus()), "")
+        held = jobs_pb2.JobStatus(worker_wait=jobs_pb2.WorkerWait(workers=2, waiting_for_client=1))
+        text = "waits for a worker: jobs of its tenant use all 2; 1 of them wait for a client"
+        self.assertEqual(worker_wait(held), text)
+        held.worker_wait.tenant_running = True
+        self.assertIn("use all 2 of its quota tenant_running", worker_wait(held))
 
     def test_arguments_that_cannot_be_used_are_named(self) -> None:
         wrong: Any = {"x.nc": "O1"}

@@ -16,10 +16,11 @@ use crate::ledger::record::{Record, State};
 impl Live {
     /// The wait of the run for a client.
     pub(crate) fn operator_wait(&self) -> Option<v1::OperatorWait> {
-        let wait = |action: v1::OperatorAction, (since_ms, until_ms)| v1::OperatorWait {
+        let deadline_ms = self.peek(|record| record.asked.deadline_ms);
+        let wait = |action: v1::OperatorAction, (since_ms, until_ms): (i64, i64)| v1::OperatorWait {
             action: action.into(),
             since_ms,
-            until_ms,
+            until_ms: if deadline_ms > 0 { until_ms.min(deadline_ms) } else { until_ms },
         };
         let command = || Some(wait(v1::OperatorAction::Command, self.stepping_if_used()?.client_wait()?));
         let answer = || Some(wait(v1::OperatorAction::Answer, self.desk_if_used()?.wait()?));

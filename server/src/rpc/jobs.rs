@@ -85,6 +85,16 @@ fn plain<T>(receive: mpsc::Receiver<T>) -> Response<ReceiverStream<T>> {
     response
 }
 
+/// The status of a job, with the reason for which it waits.
+fn status_with_waits(core: &Core, record: Record) -> v1::JobStatus {
+    let mut status = status_now(core, record);
+    if status.state() == v1::JobState::Queued {
+        LoneSuspect::of(core).iter().for_each(|alone| alone.mark(&mut status));
+        worker_wait::mark(worker_wait::of(core, &status.tenant), &mut status);
+    }
+    status
+}
+
 #[tonic::async_trait]
 impl Service for Jobs {
     async fn submit_job(
@@ -128,9 +138,7 @@ impl Service for Jobs {
             });
             let (options, pinned_machine) = (options(&record, &work), record.machine.full_name());
             let file = |(path, digest): (String, String)| v1::FileRef { path, digest };
-            let mut status = status_now(&core, record);
-            LoneSuspect::of(&core).iter().for_each(|alone| alone.mark(&mut status));
-            worker_wait::mark(worker_wait::of(&core, &status.tenant), &mut status);
+            let status = status_with_waits(&core, record);
             let answer = v1::GetJobResponse {
                 files: work.files.into_iter().map(file).collect(),
                 options: Some(options),
@@ -206,7 +214,7 @@ impl Service for Jobs {
                 _ = tokio::time::timeout(Duration::from_millis(timeout), ended) => {}
                 _ = drain.wait_for(|begun| *begun) => return Err(Refusal::Draining { cursor: 0 }.into()),
             }
-            return Ok(Response::new(v1::WaitJobResponse { status: Some(status_now(&self.0, live.record())) }));
+            return Ok(Response::new(v1::WaitJobResponse { status: Some(status_with_waits(&self.0, live.record())) }));
         }
         Ok(Response::new(v1::WaitJobResponse { status: Some(status(record)) }))
     }

@@ -64,12 +64,17 @@ async fn a_job_whose_dialog_is_open_waits_for_an_answer() {
     let mut watch = server.jobs().watch_jobs(request).await.unwrap().into_inner();
     let begin = now_ms();
     let attended = v1::JobOptions { attended: true, ..Default::default() };
-    let job = submit(&server, "ASK Clamp\nHANG", attended).await;
+    let job = submit(&server, "ASK Clamp\nHANG", attended.clone()).await;
     let wait = until_it_waits(&server, &job).await;
     assert_eq!(wait.action(), v1::OperatorAction::Answer);
     assert!((begin..=now_ms()).contains(&wait.since_ms), "{wait:?}");
     let wait_s = i64::try_from(System::default().operator_wait_s).unwrap();
     assert_eq!(wait.until_ms, wait.since_ms + 1000 * wait_s, "operator_wait_s of the server");
+    let deadline = wait.since_ms + 60_000;
+    let request = server.request("late", "ASK Clamp").await;
+    let request = v1::SubmitJobRequest { options: Some(attended), deadline_ms: deadline, ..request };
+    let late = server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
+    assert_eq!(until_it_waits(&server, &late).await.until_ms, deadline, "its deadline comes first");
     assert_eq!(shown(&server, &job).await, Some(wait));
     until_reported(&mut watch, |status| status.operator_wait == Some(wait)).await;
     let answer = v1::DialogAnswer { button: "OK".into(), ..Default::default() };
@@ -128,7 +133,7 @@ async fn the_end_of_a_short_wait_is_reported_to_those_who_saw_it() {
     let data = tempfile::tempdir().unwrap();
     let server = Server::start(options(data.path())).await;
     let attended = v1::JobOptions { attended: true, ..Default::default() };
-    let job = submit(&server, "ASK Clamp\nHANG", attended).await;
+    let job = submit(&server, "ASK Clamp\nHANG", attended.clone()).await;
     until_it_waits(&server, &job).await;
     let mut watch = server.jobs().watch_jobs(v1::WatchJobsRequest::default()).await.unwrap().into_inner();
     until_reported(&mut watch, |status| status.job_id == job && status.operator_wait.is_some()).await;
@@ -168,6 +173,9 @@ async fn a_queued_job_says_that_jobs_which_wait_for_a_client_hold_all_workers() 
     let job = server.submit("queued", "EVENTS 3").await;
     let wait = until_it_waits_for_a_worker(&server, &job).await;
     assert_eq!(wait, v1::WorkerWait { workers: 1, waiting_for_client: 1, tenant_running: false });
+    let short = v1::WaitJobRequest { job_id: job.clone(), timeout_ms: 1 };
+    let waited = server.jobs().wait_job(short).await.unwrap().into_inner().status.unwrap();
+    assert_eq!(waited.worker_wait, Some(wait), "a call that waits for the end has the reason, too");
     let answer = v1::DialogAnswer { button: "OK".into(), ..Default::default() };
     let answer = v1::AnswerQuestionRequest { job_id: asks, question_id: 1, answer: Some(answer) };
     assert!(server.operator().answer_question(answer).await.unwrap().into_inner().accepted);
