@@ -123,8 +123,12 @@ fn words(line: &str) -> Vec<Word> {
             .chars()
             .take_while(|c| c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | '#' | '[' | '='))
             .collect();
-        if let ([letter], false) = (name.as_bytes(), value.is_empty() || matches!(before, '_' | '$' | '<')) {
-            words.push((*letter, value));
+        let is_part = value.is_empty() || matches!(before, '_' | '$' | '<');
+        if let ([letter], false) = (name.as_bytes(), is_part) {
+            // A chamfer (,C) and an angle of a line (,A) are not words of axes.
+            if before != ',' || !matches!(letter, b'A' | b'C') {
+                words.push((*letter, value));
+            }
         }
         before = name.chars().next_back().unwrap_or(' ');
         rest = after;

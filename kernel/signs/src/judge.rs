@@ -271,11 +271,13 @@ impl<'c> Judge<'c> {
         Ok(Guess { machine: machine.candidate.name.clone(), why: self.why(machine, channels) })
     }
 
-    /// Refuses a machine that is guessed by its rotary axes and lacks one that the programs move.
+    /// Refuses a machine that is guessed by its rotary axes, or has only X, Y and Z, and lacks one that the programs
+    /// move.
     fn check_axes(&self, machine: &Machine<'_>) -> Result<(), String> {
         let traits = |machine: &'_ Machine<'c>| machine.candidate.signs.traits.iter().flat_map(|(_, rows)| rows);
         let by_axes = machine.candidate.signs.traits.iter().flat_map(|(_, rows)| rows);
-        if !by_axes.into_iter().any(|(pattern, _)| pattern.rotary_axes().len() > 1) {
+        let plain = machine.candidate.axes.iter().collect::<String>() == "XYZ";
+        if !plain && !by_axes.into_iter().any(|(pattern, _)| pattern.rotary_axes().len() > 1) {
             return Ok(());
         }
         let of_axes = self.machines.iter().flat_map(traits).filter(|(pattern, _)| !pattern.rotary_axes().is_empty());
@@ -292,8 +294,9 @@ impl<'c> Judge<'c> {
         }
         let name = &machine.candidate.name;
         let list = |letters: Vec<char>| letters.iter().map(char::to_string).collect::<Vec<_>>().join(" and ");
-        let own = ['A', 'B', 'C'].into_iter().filter(|letter| machine.candidate.axes.contains(letter)).collect();
-        let (moved, own, places) = (list(moved.into_iter().collect()), list(own), self.evidence.named(&shown));
+        let own: Vec<_> = ['A', 'B', 'C'].into_iter().filter(|own| machine.candidate.axes.contains(own)).collect();
+        let own = if own.is_empty() { "no rotary axis".to_owned() } else { list(own) };
+        let (moved, places) = (list(moved.into_iter().collect()), self.evidence.named(&shown));
         Err(self.for_control(&format!(
             "the program moves {moved} ({places}): no shipped machine of its kind has {moved}; {name} has {own}. Make a \
              machine of your own from it (counterpoint machine new DIR --from {name}), and change its axes"

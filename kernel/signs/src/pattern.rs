@@ -105,7 +105,8 @@ impl Pattern {
         &self.text
     }
 
-    /// The letters of the rotary axes that it names, in the order of the alphabet; empty if it names anything else.
+    /// The letters of the rotary axes that it names, in the order of the alphabet; empty if it names anything else but
+    /// words of other letters.
     pub(crate) fn rotary_axes(&self) -> Vec<char> {
         let letter = |alternatives: &Alternatives| match alternatives.0.as_slice() {
             [(letter @ b'A'..=b'C', Value::Any)] => Some(char::from(*letter)),
@@ -114,6 +115,9 @@ impl Pattern {
         let mut letters = Vec::new();
         for part in &self.parts {
             let Part::Words(words) = part else { return Vec::new() };
+            if words.with.iter().all(|alternatives| alternatives.0.iter().all(|(letter, _)| *letter > b'C')) {
+                continue;
+            }
             let Some(of_part) = words.with.iter().map(letter).collect::<Option<Vec<_>>>() else { return Vec::new() };
             letters.extend(of_part);
         }
@@ -349,7 +353,9 @@ mod tests {
             ("A !G65 !G76", "A"),
             ("A|B", ""),
             ("A0", ""),
-            ("B && M6", ""),
+            ("B && M6", "B"),
+            ("T M6", ""),
+            ("B M6", ""),
             ("has A3=", ""),
             ("B && has TRAORI", ""),
         ] {

@@ -150,6 +150,15 @@ fn a_machine_without_the_axes_of_the_program_is_refused() {
         );
         assert!(refusal.contains(&machine), "{refusal}");
     }
+    let haas = machine("part.nc", "O1\nT1 M6\nG154 P2 X1. Y2.\nG43 H1 Z50.\nG1 X1. C20. F100.\nM30\n").unwrap_err();
+    let why = "no shipped machine of its kind has C; haas-mill has no rotary axis. Make a machine of your own from it";
+    assert!(haas.starts_with("the program moves C (C20. and T1 M6 (line 5))") && haas.contains(why), "{haas}");
+    let table = "O1\nT1 M6\nG90 G54 G0 X1. Y2.\nG43 H1 Z50.\nC90.\nG1 X2. F100.\nM30\n";
+    assert_eq!(machine("part.nc", table).as_deref(), Ok("fanuc-mill-5axis"), "its table C is the only rotary axis");
+    let chamfer = table.replace("C90.", "G1 X3. ,C1.");
+    assert_eq!(machine("part.nc", &chamfer).as_deref(), Ok("fanuc-mill"), "a chamfer");
+    let turned = "O1\nG50 S2500\nG96 S200 M3\nT0101\nG0 X52. Z2.\nG1 X60. C1. F0.2\nM30\n";
+    assert_eq!(machine("part.nc", turned).as_deref(), Ok("fanuc-lathe"), "a chamfer of a lathe");
     let tilted = "O1\nT1 M6\nG43 H1 Z50.\nG1 X1. A-20. C90. F100.\nM30\n";
     assert_eq!(machine("part.nc", tilted).as_deref(), Ok("fanuc-mill-5axis"));
     let call = "O1\nT1 M6\nG43.4 H1 Z50.\nG1 X1. A-20. C90. F100.\nG65 P9 B1.\nM30\n";
