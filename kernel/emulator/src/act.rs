@@ -26,7 +26,7 @@ use counterpoint_machine::ident::{CodeId, DataId};
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::macros::model::Hook;
 use counterpoint_machine::rows::CodeRow;
-use counterpoint_program::block::{Datum, PendingCode, Word};
+use counterpoint_program::block::{Datum, PendingCode};
 use counterpoint_sync::shared::Command;
 use counterpoint_sync::wait::{self, Wait};
 use counterpoint_waits::coupling::Pair;
@@ -112,14 +112,14 @@ impl Act<'_, '_> {
 
     /// Whether a free word that can move an axis or shape an arc is in the block.
     pub(crate) fn has_motion_word(&self) -> bool {
-        self.channel().has_any(self.kernel.plan.registers.motion)
+        self.channel().block.has_any(self.kernel.plan.registers.motion)
     }
 
     /// Whether a free word of an axis is in the block.
     pub(crate) fn has_axis_word(&self) -> bool {
         let axes =
             self.channel().state.place.layout.axes.iter().fold(0, |bits, axis| bits | self.registers_of(axis.data));
-        self.channel().has_any(axes)
+        self.channel().block.has_any(axes)
     }
 
     /// Registers of corners and of directions of lines.
@@ -150,21 +150,6 @@ impl Act<'_, '_> {
     /// Reports which of the data that an action could have used have rows that are all switched off.
     pub(crate) fn report_switched_off(&mut self, ids: &[DataId]) {
         self.kernel.report_switched_off(ids);
-    }
-
-    /// Text of the block, for messages: at most 60 characters.
-    pub(crate) fn block_text(&self) -> String {
-        self.kernel.block_text()
-    }
-
-    /// Text of a word of the block.
-    pub(crate) fn word_bytes(&self, word: &Word) -> std::borrow::Cow<'_, [u8]> {
-        self.kernel.word_bytes(word)
-    }
-
-    /// Text of the block as it was read.
-    pub(crate) fn current_text(&self) -> &[u8] {
-        self.kernel.current_text()
     }
 }
 

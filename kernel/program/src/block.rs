@@ -173,6 +173,12 @@ impl Default for Block {
 }
 
 impl Block {
+    /// Whether a free data word of one of these registers is in the block.
+    #[must_use]
+    pub fn has_any(&self, registers: u128) -> bool {
+        self.present & registers != 0
+    }
+
     /// Empties the block for the next line.
     pub fn clear(&mut self) {
         self.words.clear();

@@ -57,7 +57,7 @@ fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
     }
     let target = act.channel().state.place.way_of_machine(&target);
     if missing || moving == 0 {
-        let text = format!("no tool-change position is defined for every axis of '{}'", act.block_text());
+        let text = format!("no tool-change position is defined for every axis of '{}'", act.channel().block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
     }
     act.rapid_to(moving, target)
@@ -86,7 +86,10 @@ pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
             act.rapid_to(moving, before)
         }
         None => {
-            let text = format!("the axes have not been sent to the tool-change position before '{}'", act.block_text());
+            let text = format!(
+                "the axes have not been sent to the tool-change position before '{}'",
+                act.channel().block_text()
+            );
             act.diagnose(&diag::RETURN_WITHOUT_HOME, text);
             Ok(())
         }

@@ -50,7 +50,7 @@ fn no_axis(act: &mut Act<'_, '_>, id: DataId) -> Acted {
         "channel {} has no axis of {} for '{}'",
         act.channel().at.channel,
         act.channel().env.machine.data_name(id),
-        act.block_text()
+        act.channel().block_text()
     );
     act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
     Ok(())

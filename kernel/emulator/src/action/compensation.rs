@@ -28,7 +28,7 @@ pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
     let range = whole(act, data::COMP_EXTFIXT_RANGE);
     let first = act.channel().env.machine.habits.first_extended.then_some(1);
     let Some(register) = whole(act, data::COMP_EXTFIXT_REG).or(first) else {
-        let text = format!("an extended work offset needs its number in '{}'", act.block_text());
+        let text = format!("an extended work offset needs its number in '{}'", act.channel().block_text());
         act.diagnose(&counterpoint_fault::DATA_MISSING, text);
         return Ok(());
     };

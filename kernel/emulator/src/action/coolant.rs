@@ -32,7 +32,7 @@ pub(super) fn switch(act: &mut Act<'_, '_>, switch: Switch) -> Acted {
         Switch::Pressure => match act.take(data::COOLANT_PRESSURE).map(|d| d.value) {
             Some(pressure) => set_pressure(act, pressure),
             None => {
-                let text = format!("a coolant pressure needs its value in '{}'", act.block_text());
+                let text = format!("a coolant pressure needs its value in '{}'", act.channel().block_text());
                 act.diagnose(&diag::DATA_MISSING, text);
             }
         },
@@ -52,7 +52,7 @@ fn flows(act: &mut Act<'_, '_>, flow: Flow, outlet: Outlet) {
         Flow::Off => 0,
         Flow::Again => act.channel().state.others.coolant.last.get(head(outlet)).copied().unwrap_or(1),
         Flow::Fluid(fluid) => {
-            act.channel_mut().note_coolant(fluid, outlet);
+            act.channel_mut().state.others.coolant.note(fluid, outlet);
             fluid
         }
     };
@@ -71,7 +71,7 @@ fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
         let text = format!(
             "coolant pressure {} is out of range in '{}'; {} is used",
             wildcard_text(wanted),
-            act.block_text(),
+            act.channel().block_text(),
             wildcard_text(pressure)
         );
         act.diagnose(&diag::COOLANT_PRESSURE, text);

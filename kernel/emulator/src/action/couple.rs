@@ -104,12 +104,12 @@ fn check_free(act: &mut Act<'_, '_>, pair: &Pair) -> Acted {
         "{} axes {master} and {slave} are in {} control already, in '{}'",
         pair.kind.taken(),
         other.kind.name(),
-        act.block_text()
+        act.channel().block_text()
     );
     Err(act.alarm(&diag::COUPLING_ILLEGAL, text))
 }
 
 fn illegal(act: &mut Act<'_, '_>, reason: &str) -> Halt {
-    let text = format!("PS5339 {reason}, in '{}'", act.block_text());
+    let text = format!("PS5339 {reason}, in '{}'", act.channel().block_text());
     act.alarm(&diag::COUPLING_ILLEGAL, text)
 }

@@ -25,7 +25,7 @@ const TURNS_ABOUT: [(DataId, usize); 4] =
 /// Switches it on with the radius of the block, or off with radius 0.
 fn on(act: &mut Act<'_, '_>) -> Acted {
     let Some((radius, rotary, cartesian)) = radius(act) else {
-        let text = format!("'{}' gives no rotary axis and no radius of a cylinder", act.block_text());
+        let text = format!("'{}' gives no rotary axis and no radius of a cylinder", act.channel().block_text());
         act.diagnose(&diag::NO_CYLINDER, text);
         return Ok(());
     };
@@ -60,7 +60,7 @@ fn map(act: &mut Act<'_, '_>) -> Acted {
     let Some(radius) = act.channel().state.others.cylinder.filter(|_| known) else {
         let text = format!(
             "no cylinder for '{}': only Y is mapped, onto A or C, with a radius of this block or of one before",
-            act.block_text()
+            act.channel().block_text()
         );
         act.diagnose(&diag::NO_CYLINDER, text);
         return Ok(());
@@ -82,7 +82,7 @@ fn begin(act: &mut Act<'_, '_>, (radius, rotary, cartesian): Given) -> Acted {
     let Some(cylinder) = found else {
         let text = format!(
             "no cylinder for '{}': it needs a radius above 0, a rotary axis, the linear axis that it turns about, and a plane with that",
-            act.block_text()
+            act.channel().block_text()
         );
         act.diagnose(&diag::NO_CYLINDER, text);
         return Ok(());

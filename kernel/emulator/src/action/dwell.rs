@@ -24,7 +24,7 @@ pub(super) fn seconds(act: &mut Act<'_, '_>) -> Acted {
         if act.channel().env.machine.habits.dwell.bare {
             return super::mode::exact_stop_block(act);
         }
-        let text = format!("a dwell needs its time in '{}'", act.block_text());
+        let text = format!("a dwell needs its time in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
@@ -34,7 +34,7 @@ pub(super) fn seconds(act: &mut Act<'_, '_>) -> Acted {
 /// Dwell in revolutions of the spindle.
 pub(super) fn revolutions(act: &mut Act<'_, '_>) -> Acted {
     let Some(datum) = act.take(data::DELAY_REV) else {
-        let text = format!("a dwell needs its revolutions in '{}'", act.block_text());
+        let text = format!("a dwell needs its revolutions in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
@@ -59,7 +59,7 @@ impl Act<'_, '_> {
         let sources = self.sources(id).iter();
         let found = sources.filter_map(|source| Some((source.mul, self.channel().block.look(source.register)?))).next();
         let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() <= 0.001) else { return false };
-        let text = self.word_bytes(&word);
+        let text = self.channel().word_bytes(&word);
         // A point within an expression is not a written point.
         mul != 0.0 && text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
     }
@@ -72,7 +72,8 @@ fn turns(act: &mut Act<'_, '_>, revolutions: f64) -> Acted {
             revolutions / turning.rpm(act.channel().state.place.radius(&act.channel().state.place.position))
         }
         None => {
-            let text = format!("{} in the dwell in revolutions '{}'", stopped(act.channel()), act.block_text());
+            let text =
+                format!("{} in the dwell in revolutions '{}'", stopped(act.channel()), act.channel().block_text());
             act.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(());
         }
@@ -95,12 +96,13 @@ pub(super) fn of_cycle(act: &mut Act<'_, '_>, amount: f64) -> Acted {
 
 fn dwell(act: &mut Act<'_, '_>, seconds: f64) -> Acted {
     if seconds <= 0.0 {
-        let text = format!("a dwell of {seconds} s in '{}' takes no time", act.block_text());
+        let text = format!("a dwell of {seconds} s in '{}' takes no time", act.channel().block_text());
         act.diagnose(&diag::DWELL_NOT_POSITIVE, text);
         return Ok(());
     }
     if seconds > LONGEST_DWELL && !std::mem::replace(&mut act.channel_mut().reports.plausible.dwell, true) {
-        let text = format!("a dwell of {} in '{}': check the unit of its time", hours(seconds), act.block_text());
+        let text =
+            format!("a dwell of {} in '{}': check the unit of its time", hours(seconds), act.channel().block_text());
         act.diagnose(&diag::LONG_DWELL, text);
     }
     let ns = crate::state::at::nanoseconds(seconds);

@@ -4,6 +4,7 @@
 //! of the control; reference control-emulator.md 5.6 for comments. *Invariant:* a text that cannot be engraved as a
 //! whole moves nothing.
 
+use crate::state::text;
 use counterpoint_motion::contour::element::Spot;
 use counterpoint_motion::lettering::{self, GAP};
 
@@ -80,7 +81,7 @@ fn text(act: &mut Act<'_, '_>, kind: f64) -> Result<Option<String>, Halt> {
     if (32.0..=126.0).contains(&kind) {
         return Ok(Some(char::from(kind as u8).to_string()));
     }
-    let remark = remark(act.current_text());
+    let remark = remark(text::current_text(act.channel()));
     let Some(remark) = remark.filter(|_| kind == 0.0 || kind == 1.0) else {
         let why = match kind {
             0.0 | 1.0 => "the text in parentheses is missing".to_owned(),
@@ -151,6 +152,6 @@ fn cut(
 }
 
 fn refuse(act: &mut Act<'_, '_>, why: &str) -> Acted {
-    let text = format!("'{}' is not engraved: {why}", act.block_text());
+    let text = format!("'{}' is not engraved: {why}", act.channel().block_text());
     Err(act.alarm(&diag::CYCLE_REFUSED, text))
 }

@@ -49,7 +49,7 @@ fn lengths(act: &mut Act<'_, '_>, ids: [DataId; 3]) -> Point {
 }
 
 fn missing(act: &mut Act<'_, '_>, what: &str) -> Acted {
-    let text = format!("a figure copy needs {what} in '{}'; nothing is copied", act.block_text());
+    let text = format!("a figure copy needs {what} in '{}'; nothing is copied", act.channel().block_text());
     act.diagnose(&diag::DATA_MISSING, text);
     act.take(data::CALSUB_ID);
     act.take(data::CALSUB_REPEAT);
@@ -60,7 +60,7 @@ fn call(act: &mut Act<'_, '_>, copy: Copy) -> Acted {
     let id = act.take(data::CALSUB_ID).map(|datum| datum.value);
     let repeat = act.take(data::CALSUB_REPEAT).map(|datum| datum.value);
     let Some(program) = id.filter(|v| *v >= 1.0 && *v <= f64::from(u32::MAX) && v.fract() == 0.0) else {
-        let text = format!("a figure copy needs a program number in '{}'", act.block_text());
+        let text = format!("a figure copy needs a program number in '{}'", act.channel().block_text());
         return Err(act.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
     act.flush_lookahead()?;

@@ -34,12 +34,12 @@ pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
     let said = rows.filter(|row| row.group == group::POSITION).map(|row| row.id).next();
     let mode = said.or_else(|| act.channel().state.modal.code(group::POSITION));
     if mode == Some(codes::POSITION_RELATIVE) {
-        let text = format!("machine coordinates are ignored in incremental mode in '{}'", act.block_text());
+        let text = format!("machine coordinates are ignored in incremental mode in '{}'", act.channel().block_text());
         act.diagnose(&diag::MACHINE_INCREMENTAL, text);
         return Ok(());
     }
     let axes = act.channel().state.place.layout.axes.entries();
-    let named = axes.filter(|(_, axis)| act.channel().has_any(act.registers_of(axis.data)));
+    let named = axes.filter(|(_, axis)| act.channel().block.has_any(act.registers_of(axis.data)));
     let named = named.fold(0, |slots, (slot, _)| slots | slot.bit());
     in_machine_frame(act, named);
     if !act.channel().state.others.couplings.is_empty() {
@@ -52,12 +52,12 @@ pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
 /// The position of the axes gets the programmed values.
 pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
     if act.channel().state.place.tilted().is_some() {
-        let text = format!("a preset is not possible in a tilted plane, '{}' sets nothing", act.block_text());
+        let text = format!("a preset is not possible in a tilted plane, '{}' sets nothing", act.channel().block_text());
         return Err(act.alarm(&diag::FRAME_REFUSED, text));
     }
     if act.channel().env.machine.habits.preset_ends_shift && act.channel().state.place.frames.is_some() {
         let axes = act.channel().state.place.layout.axes.entries();
-        let named = axes.filter(|(_, axis)| act.channel().has_any(act.registers_of(axis.data)));
+        let named = axes.filter(|(_, axis)| act.channel().block.has_any(act.registers_of(axis.data)));
         let named = named.fold(0, |slots, (slot, _)| slots | slot.bit());
         super::local::end_shift(act, named);
     }

@@ -25,7 +25,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 pub(super) fn load(act: &mut Act<'_, '_>, number: Option<u32>) -> Acted {
     let word = number.map(f64::from).or_else(|| act.take(data::HEAD_ID).map(|d| d.value));
     let Some(id) = word.and_then(valid) else {
-        let text = format!("no head is named in '{}'", act.block_text());
+        let text = format!("no head is named in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };

@@ -69,7 +69,7 @@ fn check_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
         } else {
             format!("reference point {number}")
         };
-        let text = format!("{name} is not defined for every axis of '{}'", act.block_text());
+        let text = format!("{name} is not defined for every axis of '{}'", act.channel().block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
     }
     act.channel().check_stop()
@@ -143,7 +143,8 @@ fn check(act: &mut Act<'_, '_>) -> Acted {
     let Some((slot, home)) = off.map(|(slot, axis)| (slot, axis.home)) else { return Ok(()) };
     let (name, stands) = (act.channel().axis_name(slot), wildcard_text(machine.at(slot)));
     let home = wildcard_text(home);
-    let text = format!("{name} is at {stands} after '{}', but its reference point is at {home}", act.block_text());
+    let text =
+        format!("{name} is at {stands} after '{}', but its reference point is at {home}", act.channel().block_text());
     Err(act.alarm(&diag::NOT_AT_REFERENCE, text))
 }
 
@@ -151,7 +152,8 @@ fn check(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn go_nth(act: &mut Act<'_, '_>) -> Acted {
     let number = act.take(data::GOHOME_NTH).map_or(2.0, |d| d.value);
     if ![2.0, 3.0, 4.0].contains(&number) {
-        let text = format!("reference point {number} not found in '{}', expected 2, 3 or 4", act.block_text());
+        let text =
+            format!("reference point {number} not found in '{}', expected 2, 3 or 4", act.channel().block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
         act.targets();
         return Ok(());
@@ -176,7 +178,7 @@ pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
             act.rapid_to(coded, through)?;
         }
         None => {
-            let text = format!("no intermediate point is known for '{}'", act.block_text());
+            let text = format!("no intermediate point is known for '{}'", act.channel().block_text());
             act.diagnose(&diag::RETURN_WITHOUT_HOME, text);
         }
     }

@@ -33,7 +33,7 @@ impl Act<'_, '_> {
         self.channel_mut().reports.plausible.thread = true;
         let text = format!(
             "the rigid tap of '{}' needs a rate of {asked:.0} where its axis reaches {most:.0}: reduce the spindle speed",
-            self.block_text()
+            self.channel().block_text()
         );
         self.diagnose(&diag::THREAD_RATE, text);
         self.channel().check_stop()
@@ -80,7 +80,7 @@ impl Act<'_, '_> {
         }
         let text = format!(
             "the move at feed of '{}' takes {}: check the value and the unit of F",
-            self.block_text(),
+            self.channel().block_text(),
             hours(seconds)
         );
         self.diagnose(&diag::LONG_MOVE, text);
@@ -98,7 +98,7 @@ impl Act<'_, '_> {
         let text = format!(
             "the feed {rate:.0}{how} in '{}' is above the rate of every axis, at most {fastest:.0}: check its value and \
              unit",
-            self.block_text()
+            self.channel().block_text()
         );
         self.diagnose(&diag::FEED_RATE, text);
     }
@@ -125,7 +125,7 @@ impl Act<'_, '_> {
             return Ok(true);
         }
         self.channel_mut().reports.plausible.spindle = true;
-        let text = format!("the move at feed in '{}' begins while the spindle is off", self.block_text());
+        let text = format!("the move at feed in '{}' begins while the spindle is off", self.channel().block_text());
         self.diagnose(&diag::SPINDLE_OFF, text);
         Ok(false)
     }

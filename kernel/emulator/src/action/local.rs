@@ -56,8 +56,10 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
             let given = given(act, part, change);
             // An additive code alone changes nothing.
             if given.local.is_none() && given.beside.is_none() && change != Change::Add {
-                let text =
-                    format!("the local coordinate system needs its data in '{}'; it is unchanged", act.block_text());
+                let text = format!(
+                    "the local coordinate system needs its data in '{}'; it is unchanged",
+                    act.channel().block_text()
+                );
                 act.diagnose(&diag::DATA_MISSING, text);
                 return Ok(());
             }
@@ -182,7 +184,7 @@ fn put(act: &mut Act<'_, '_>, part: Part, change: Change, given: Given) -> Resul
 
 /// Says why the frame stays as it is.
 pub(crate) fn refuse(act: &mut Act<'_, '_>, refused: Refused) {
-    let block = act.block_text();
+    let block = act.channel().block_text();
     let (facts, why) = match refused {
         Refused::NoWayBack => (&diag::FRAME_REFUSED, "would have no inverse"),
         Refused::TooMany => (&diag::FRAME_REFUSED, "has too many additive parts"),

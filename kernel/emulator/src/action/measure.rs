@@ -35,7 +35,10 @@ fn measure(act: &mut Act<'_, '_>) -> Acted {
         Some(feed) => act.feed_to(coded, target, Some(feed), FeedUnit::PerMinute)?,
         None => act.rapid_to(coded, target)?,
     }
-    let text = format!("the tool is assumed to match its offset in '{}'; the offset does not change", act.block_text());
+    let text = format!(
+        "the tool is assumed to match its offset in '{}'; the offset does not change",
+        act.channel().block_text()
+    );
     act.diagnose(&diag::MEASURE_ASSUMED, text);
     Ok(())
 }

@@ -107,8 +107,10 @@ impl Act<'_, '_> {
             return self.channel().state.remembered.value(data::RAPID_FEED);
         };
         if datum.value <= 0.0 {
-            let text =
-                format!("the feed rate is zero or negative in '{}', the move is timed as rapid", self.block_text());
+            let text = format!(
+                "the feed rate is zero or negative in '{}', the move is timed as rapid",
+                self.channel().block_text()
+            );
             self.diagnose(&diag::FEED_NOT_POSITIVE, text);
             return None;
         }
@@ -239,7 +241,7 @@ impl Act<'_, '_> {
             if relative.is_none() && !datum.incremental {
                 let text = format!(
                     "neither absolute nor incremental is active in '{}', absolute is assumed",
-                    self.block_text()
+                    self.channel().block_text()
                 );
                 self.diagnose(&diag::POSITION_MODE_UNKNOWN, text);
             }

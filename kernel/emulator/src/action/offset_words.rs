@@ -14,7 +14,7 @@ use counterpoint_machine::model::{LengthInMachineFrame, LengthThere};
 /// Selects the offsets whose numbers are in the block; `free`: registers whose words no code of the block takes, one
 /// bit each.
 pub(crate) fn select(act: &mut Act<'_, '_>, free: u128) -> Acted {
-    let has = |act: &Act<'_, '_>, id| act.channel().has_any(act.registers_of(id) & free);
+    let has = |act: &Act<'_, '_>, id| act.channel().block.has_any(act.registers_of(id) & free);
     if has(act, data::COMP_LENGTH) && act.channel().state.place.in_force.length_sign != 0.0 {
         let number = act.take(data::COMP_LENGTH).map_or(0, |_| act.channel().state.remembered.length());
         let sign = act.channel().state.place.in_force.length_sign;

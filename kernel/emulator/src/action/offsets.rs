@@ -90,7 +90,7 @@ pub(super) fn set(act: &mut Act<'_, '_>) -> Acted {
     let what = match meant(kind, number, act.channel().is_turning(), most_extended(act)) {
         Ok(what) => what,
         Err(why) => {
-            let text = format!("{why}: '{}' sets nothing", act.block_text());
+            let text = format!("{why}: '{}' sets nothing", act.channel().block_text());
             act.diagnose(&diag::OFFSET_NOT_KEPT, text);
             act.take(data::OFFSET_VALUE);
             act.take(data::OFFSET_TIP);

@@ -229,6 +229,6 @@ impl Cuts {
 }
 
 fn refuse(act: &mut Act<'_, '_>, why: &str) -> Acted {
-    let text = format!("the pocket of '{}' is not cut: {why}", act.block_text());
+    let text = format!("the pocket of '{}' is not cut: {why}", act.channel().block_text());
     Err::<(), Halt>(act.alarm(&diag::CYCLE_REFUSED, text))
 }

@@ -43,7 +43,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
         let text = format!(
             "channel {} has no linear and rotary axis for polar interpolation of '{}'",
             act.channel().at.channel,
-            act.block_text()
+            act.channel().block_text()
         );
         act.diagnose(&diag::NO_POLAR_AXES, text);
         return Ok(());
@@ -61,7 +61,7 @@ pub(super) fn not_tilted(act: &mut Act<'_, '_>) -> Acted {
     if act.channel().state.place.tilted().is_none() {
         return Ok(());
     }
-    let text = format!("'{}' is not possible in a tilted plane", act.block_text());
+    let text = format!("'{}' is not possible in a tilted plane", act.channel().block_text());
     Err(act.alarm(&diag::NO_POLAR_AXES, text))
 }
 
@@ -130,7 +130,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     };
     let off = made.end_error(end);
     if radius.is_none() && off > tolerance {
-        let text = format!("the end is {off:.4} off the circle in '{}'", act.block_text());
+        let text = format!("the end is {off:.4} off the circle in '{}'", act.channel().block_text());
         act.diagnose(&diag::ARC_END_OFF, text);
     }
     let local =
@@ -138,7 +138,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     if polar.is_cylinder() && !(local.is_none_or(|map| map.is_shift()) && super::cylinder::in_plane(act, &polar)) {
         let text = format!(
             "the circle of '{}' is not in the plane of the cylinder's surface, or a frame turns, scales or mirrors it",
-            act.block_text()
+            act.channel().block_text()
         );
         act.diagnose(&diag::ARC_ON_CYLINDER, text);
         return Ok(());
@@ -147,7 +147,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, polar: Polar, clockwise: bool) -> Acted
     let level = act.channel().state.place.seen(&programmed)[2];
     let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
         let done = act.channel().becomes(&diag::ARC_SCALED, STRAIGHT);
-        let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.block_text());
+        let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.channel().block_text());
         act.diagnose(&diag::ARC_SCALED, text);
         return act.feed_to(coded, to, feed, unit);
     };

@@ -24,7 +24,7 @@ pub(crate) const ENTRIES: &[Entry] = &[Entry::of(&[codes::RETRACT_TOOL], |act, _
 fn back(act: &mut Act<'_, '_>) -> Acted {
     let rate = rate(act);
     let Some(way) = act.take(data::TILT_RETRACT).map(|datum| datum.value) else {
-        let text = format!("the retraction of '{}' has no way, nothing is moved", act.block_text());
+        let text = format!("the retraction of '{}' has no way, nothing is moved", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };

@@ -34,7 +34,7 @@ pub(super) fn probe(act: &mut Act<'_, '_>) -> Acted {
     *act.channel_mut().state.skip =
         Probing { result: 2.0, end: act.channel().state.place.position, block: act.channel().at.blocks };
     if act.channel().state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
-        let text = format!("the probe made no contact in '{}'", act.block_text());
+        let text = format!("the probe made no contact in '{}'", act.channel().block_text());
         act.diagnose(&diag::PROBE_MISSED, text);
     }
     Ok(())

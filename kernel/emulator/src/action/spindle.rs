@@ -104,7 +104,7 @@ pub(super) fn rpm(act: &mut Act<'_, '_>) -> Acted {
 /// Speed limit.
 pub(super) fn limit(act: &mut Act<'_, '_>) -> Acted {
     let Some(value) = act.take(data::SPINDLE_RPM_MAX).map(|d| d.value) else {
-        let text = format!("a speed limit needs its value in '{}'", act.block_text());
+        let text = format!("a speed limit needs its value in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
@@ -123,7 +123,7 @@ pub(super) fn driver(act: &mut Act<'_, '_>, channel: u16) -> Acted {
 /// The radius at which the surface speed counts, regardless of X; zero or less = at X again.
 pub(super) fn radial(act: &mut Act<'_, '_>) -> Acted {
     let Some(radius) = act.take(data::SPINDLE_CSS_RADIAL).map(|d| d.value) else {
-        let text = format!("a radius of constant surface speed needs its value in '{}'", act.block_text());
+        let text = format!("a radius of constant surface speed needs its value in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };

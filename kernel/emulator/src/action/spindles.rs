@@ -50,7 +50,7 @@ pub(super) fn commanded(act: &mut Act<'_, '_>, number: u16, action: impl FnOnce(
     } else {
         let id = act.channel().env.machine.spindles.find(|spindle| spindle.number == number);
         if id.is_none() {
-            let text = format!("the machine has no spindle {number} for '{}'", act.block_text());
+            let text = format!("the machine has no spindle {number} for '{}'", act.channel().block_text());
             act.diagnose(&diag::NO_SPINDLE, text);
             super::spindle::drop_data(act);
             return Ok(());
@@ -67,7 +67,7 @@ pub(super) fn commanded(act: &mut Act<'_, '_>, number: u16, action: impl FnOnce(
 /// The head that `CODE_SPINDLE_CSS_ID` names.
 pub(super) fn driver_by_id(act: &mut Act<'_, '_>) -> Acted {
     let Some(id) = act.take(data::SPINDLE_CSS_ID).map(|d| d.value) else {
-        let text = format!("no head is named in '{}'", act.block_text());
+        let text = format!("no head is named in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
@@ -81,7 +81,7 @@ pub(super) fn driver_by_id(act: &mut Act<'_, '_>) -> Acted {
 /// There is no such head to drive constant surface speed.
 pub(super) fn no_head(act: &mut Act<'_, '_>, id: f64) -> Acted {
     let id = counterpoint_lang::format::wildcard_text(id);
-    let text = format!("head {id} for constant surface speed not found in '{}'", act.block_text());
+    let text = format!("head {id} for constant surface speed not found in '{}'", act.channel().block_text());
     act.diagnose(&diag::NO_HEAD, text);
     Ok(())
 }

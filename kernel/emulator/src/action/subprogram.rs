@@ -39,7 +39,7 @@ pub(super) fn call(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     let Some(id) = id.filter(|v| *v >= 1.0 && *v <= f64::from(u32::MAX) && v.fract() == 0.0) else {
-        let text = format!("a call needs a program number in '{}'", act.block_text());
+        let text = format!("a call needs a program number in '{}'", act.channel().block_text());
         return Err(act.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
     let id = id as u32;
@@ -79,7 +79,7 @@ pub(super) fn call_range(act: &mut Act<'_, '_>) -> Acted {
     }
     let (Some(first), Some(last)) = (first, last) else {
         let what = if by_labels { "label" } else { "sequence number" };
-        let text = format!("a range call needs its first and last {what} in '{}'", act.block_text());
+        let text = format!("a range call needs its first and last {what} in '{}'", act.channel().block_text());
         return Err(act.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
     let passes = repeat.map_or(1, |count| act.passes(count)).max(1);

@@ -69,7 +69,7 @@ fn by_row(act: &mut Act<'_, '_>, row: &CodeRow) -> Acted {
         Ok(Meaning::Wait(wait)) if waits::is_for_nobody(&wait, act.channel().at.channel) => pass(act),
         Ok(Meaning::Wait(wait)) => act.wait_for(wait),
         Err(reason) => {
-            let text = format!("{reason} in '{}'", act.block_text());
+            let text = format!("{reason} in '{}'", act.channel().block_text());
             Err(act.alarm(&diag::WAIT_ILLEGAL, text))
         }
     }
@@ -90,7 +90,7 @@ fn balance(act: &mut Act<'_, '_>, on: bool) -> Acted {
             {
                 Ok(wait) => wait,
                 Err(reason) => {
-                    let text = format!("PS0163 {reason} in '{}'", act.block_text());
+                    let text = format!("PS0163 {reason} in '{}'", act.channel().block_text());
                     return Err(act.alarm(&diag::BALANCE_ILLEGAL, text));
                 }
             }

@@ -87,14 +87,17 @@ fn end(act: &mut Act<'_, '_>) -> bool {
 
 /// The alarm for a block that says no plane.
 fn undefined(act: &mut Act<'_, '_>, why: &str) -> Halt {
-    let text = format!("{why} in '{}'; the plane is unchanged", act.block_text());
+    let text = format!("{why} in '{}'; the plane is unchanged", act.channel().block_text());
     act.alarm(&diag::PLANE_UNDEFINED, text)
 }
 
 /// The alarm for a channel without rotary axes.
 fn no_axes(act: &mut Act<'_, '_>) -> Halt {
-    let text =
-        format!("the axes of channel {} do not tilt the tool in '{}'", act.channel().at.channel, act.block_text());
+    let text = format!(
+        "the axes of channel {} do not tilt the tool in '{}'",
+        act.channel().at.channel,
+        act.channel().block_text()
+    );
     act.alarm(&diag::NO_TIP_AXES, text)
 }
 
@@ -138,7 +141,7 @@ fn unreached(act: &mut Act<'_, '_>, why: Unreached) -> Acted {
         Unreached::Travel => "the travel of the rotary axes ends before the plane",
         Unreached::Side => "the rotary axes do not come into the plane on this side",
     };
-    let text = format!("{why} of '{}'; nothing moves", act.block_text());
+    let text = format!("{why} of '{}'; nothing moves", act.channel().block_text());
     Err(act.alarm(&diag::PLANE_UNREACHABLE, text))
 }
 
@@ -385,7 +388,8 @@ impl Act<'_, '_> {
     #[cold]
     pub(super) fn check_parts(&mut self) {
         if forget_parts(self).is_some() {
-            let text = format!("a definition by several blocks is not complete before '{}'", self.block_text());
+            let text =
+                format!("a definition by several blocks is not complete before '{}'", self.channel().block_text());
             self.diagnose(&diag::PLANE_UNDEFINED, text);
         }
     }

@@ -82,11 +82,11 @@ impl Act<'_, '_> {
     fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
         let least = self.channel().env.machine.habits.least_feed;
         let how = match least {
-            _ if !self.channel().goes_on_at(facts) => "no part of the block acts".to_owned(),
+            _ if self.channel().env.machine.stops_at(facts) => "no part of the block acts".to_owned(),
             Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
             None => "the move is timed as rapid".to_owned(),
         };
-        let text = format!("{what} '{}', {how}", self.block_text());
+        let text = format!("{what} '{}', {how}", self.channel().block_text());
         self.diagnose(facts, text);
         match least {
             Some(feed) => self.paced(path, feed / 60.0),
@@ -103,10 +103,10 @@ impl Act<'_, '_> {
     #[cold]
     fn no_feed(&mut self, feed: Option<f64>) -> Acted {
         let (facts, what) = lack(feed);
-        if self.channel().goes_on_at(facts) {
+        if !self.channel().env.machine.stops_at(facts) {
             return Ok(());
         }
-        let text = format!("{what} '{}', no part of the block acts", self.block_text());
+        let text = format!("{what} '{}', no part of the block acts", self.channel().block_text());
         self.diagnose(facts, text);
         self.channel().check_stop()
     }
@@ -173,7 +173,7 @@ impl Act<'_, '_> {
             let text = format!(
                 "{} in '{}' with feed per revolution, the move is timed as rapid",
                 stopped(self.channel()),
-                self.block_text()
+                self.channel().block_text()
             );
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(None);

@@ -49,8 +49,11 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
     let follow = act.take(data::TIP_FEED).map(|feed| feed.value).filter(|feed| *feed > 0.0);
     let was = act.channel_mut().end_tip();
     if !act.channel_mut().start_tip(number.is_some()) {
-        let text =
-            format!("the axes of channel {} do not allow TCP in '{}'", act.channel().at.channel, act.block_text());
+        let text = format!(
+            "the axes of channel {} do not allow TCP in '{}'",
+            act.channel().at.channel,
+            act.channel().block_text()
+        );
         act.diagnose(&diag::NO_TIP_AXES, text);
         return Ok(());
     }
@@ -147,7 +150,10 @@ impl Act<'_, '_> {
             return go(self, coded, target);
         }
         if self.channel().state.place.is_compensated() {
-            let text = format!("rotary axes cannot turn under compensation of the radius in '{}'", self.block_text());
+            let text = format!(
+                "rotary axes cannot turn under compensation of the radius in '{}'",
+                self.channel().block_text()
+            );
             return Err(self.alarm(&diag::REFUSED, text));
         }
         let mut machine = self.channel().state.place.machine_point(&target);
@@ -176,7 +182,10 @@ impl Act<'_, '_> {
             return (coded, target);
         }
         if self.channel().state.place.layout.axes.entries().any(|(slot, axis)| axis.rotary && coded & slot.bit() != 0) {
-            let text = format!("'{}' has angles as well as a tool direction; the direction counts", self.block_text());
+            let text = format!(
+                "'{}' has angles as well as a tool direction; the direction counts",
+                self.channel().block_text()
+            );
             self.diagnose(&diag::TIP_WORDS_MIXED, text);
         }
         let mut values = match self.channel().env.machine.kinematics.missing {
@@ -198,8 +207,10 @@ impl Act<'_, '_> {
             None => wanted,
         });
         let Some(solution) = wanted.and_then(|wanted| self.shortest(wanted)) else {
-            let text =
-                format!("the rotary axes cannot reach the tool direction of '{}'; they do not move", self.block_text());
+            let text = format!(
+                "the rotary axes cannot reach the tool direction of '{}'; they do not move",
+                self.channel().block_text()
+            );
             self.diagnose(&diag::TIP_UNREACHABLE, text);
             return (coded, target);
         };

@@ -36,7 +36,7 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
             if empties { 0 } else { act.channel().state.place.in_force.tool_offset },
         ),
         None => {
-            let text = format!("no tool is selected for '{}'", act.block_text());
+            let text = format!("no tool is selected for '{}'", act.channel().block_text());
             act.diagnose(&diag::DATA_MISSING, text);
             return Ok(());
         }
@@ -83,7 +83,7 @@ fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
         let text = format!(
             "machine {} has no tool offsets: offset {offset} of '{}' and all others are zero",
             machine.name,
-            act.block_text()
+            act.channel().block_text()
         );
         act.diagnose(&Facts { severity: 0, ..diag::NO_OFFSET }, text);
     }

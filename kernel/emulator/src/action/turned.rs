@@ -38,7 +38,7 @@ pub(super) fn circle(act: &mut Act<'_, '_>, plane: Plane, circle: &Circle) -> Ac
     let map = act.channel().state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
     let Some(sides) = sides(&map, plane) else {
         let done = act.channel().becomes(&diag::ARC_SCALED, STRAIGHT);
-        let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.block_text());
+        let text = format!("the circle of '{}' is under unequal scale factors, {done}", act.channel().block_text());
         act.diagnose(&diag::ARC_SCALED, text);
         return act.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
     };

@@ -18,6 +18,7 @@ use crate::state::State;
 use crate::state::at::At;
 use crate::state::burden::Burden;
 use crate::state::channel::{BlockText, Channel, Reports};
+use crate::state::context::BlockContext;
 use crate::state::times::TimeRecord;
 use counterpoint_event::event::FileId;
 use counterpoint_fault::{Acted, Halt};
@@ -51,6 +52,7 @@ pub struct Carried {
     raised: FxHashMap<u32, u32>,
     burden: Burden,
     tape: (tape::Rules, Memory),
+    context: BlockContext,
     state: State,
     flow: Flow,
     dialect: DialectState,
@@ -61,6 +63,7 @@ pub struct Carried {
 /// Memory of the master between Machine Startup and Machine Shutdown.
 pub struct MasterMemory {
     macros: Box<Runtime>,
+    context: BlockContext,
     times: Box<TimeRecord>,
 }
 
@@ -69,13 +72,14 @@ impl Kernel<'_> {
     pub fn into_master(mut self) -> MasterMemory {
         self.channel.come_to_rest();
         self.channel.flush();
-        MasterMemory { macros: self.macros, times: self.channel.state.times }
+        MasterMemory { macros: self.macros, context: self.channel.context, times: self.channel.state.times }
     }
 
     /// Continues as the master at the end of the log, at this time, ns, and micro step.
     pub fn take_over_master(&mut self, memory: MasterMemory, (clock, micro): (i64, u32)) {
         (self.channel.at.clock, self.channel.at.micro) = (clock, micro);
         (self.macros, self.channel.state.times) = (memory.macros, memory.times);
+        self.channel.context = memory.context;
         self.macros.course.closing = true;
         self.macros.issued.later.clear();
     }
@@ -86,7 +90,8 @@ impl Kernel<'_> {
     fn into_carried(self) -> Carried {
         let events = self.channel.emitter.count();
         let Self { channel, ports: _, plan: _, flow, dialect, macros, components } = self;
-        let Channel { env: _, at, block: _, text, acting: _, state, reports, burden, emitter: _ } = channel;
+        let Channel { env: _, at, block: _, text, context, scanner: _, acting: _, state, reports, burden, emitter: _ } =
+            channel;
         let At {
             channel,
             clock,
@@ -123,6 +128,7 @@ impl Kernel<'_> {
             raised,
             burden,
             tape,
+            context,
             state,
             flow,
             dialect,
@@ -138,6 +144,7 @@ impl Kernel<'_> {
         self.channel.reports.raised = carried.raised;
         self.channel.burden = carried.burden;
         self.channel.text.tape = carried.tape;
+        self.channel.context = carried.context;
         self.channel.state = carried.state;
         self.flow = carried.flow;
         self.dialect = carried.dialect;
@@ -145,6 +152,7 @@ impl Kernel<'_> {
         self.components.turns = carried.turns;
         if let Some(component) = self.components.current() {
             (self.channel.env.machine, self.plan) = (component.machine, component.plan);
+            self.channel.scanner = &self.plan.scanner;
             self.channel.state.times.record_motions(self.plan.hooks.is_some());
             let reader = self.channel.env.whole.reader_for(component.machine.preprocessor);
             self.channel.env.sources = self.channel.env.sources.by(reader);

@@ -280,7 +280,7 @@ impl Kernel<'_> {
             let (master, slave) = (&machine.axes[pair.master.axis].name, &machine.axes[pair.slave.axis].name);
             format!(": {slave} with master {master} of channel {}", pair.master.channel)
         });
-        let text = format!("{alarm}{axes}, in '{}'; no part of the block acts", self.block_text());
+        let text = format!("{alarm}{axes}, in '{}'; no part of the block acts", self.channel.block_text());
         self.alarm(&diag::COUPLED_AXIS, text)
     }
 }

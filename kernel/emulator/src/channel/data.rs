@@ -3,7 +3,6 @@
 //! Facts: reference control-emulator.md 1.3. *Invariant:* a value is removed from the block at most once.
 
 use counterpoint_machine::Machine;
-use std::borrow::Cow;
 
 use super::Kernel;
 use super::plan::{RECALLED, Source};
@@ -14,7 +13,6 @@ use counterpoint_machine::ident::DataId;
 use counterpoint_machine::ident::dimension::Dimension;
 use counterpoint_machine::index::AxisSlot;
 use counterpoint_machine::index::DataRowId;
-use counterpoint_machine::number::written;
 use counterpoint_machine::rows::Point;
 use counterpoint_program::block::{Datum, Word};
 
@@ -75,7 +73,7 @@ impl Kernel<'_> {
     /// Whether a value of `id` is in the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
         let registers = self.plan.data.registers_of[id];
-        self.channel.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
+        self.channel.block.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
     }
 
     /// One of the registers of `id` is in the block.
@@ -111,27 +109,12 @@ impl Kernel<'_> {
         value * self.channel.unit_factor(dimension)
     }
 
-    /// Text of a word: its part of the block, or the digits that its register writes.
-    #[cold]
-    pub(crate) fn word_bytes(&self, word: &Word) -> Cow<'_, [u8]> {
-        if word.made {
-            let register = &self.channel.env.machine.registers[word.register];
-            let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
-            return format!("{}{}", register.before, written(word.value, format)).into_bytes().into();
-        }
-        let span = word.start as usize..word.end as usize;
-        match self.text_bytes() {
-            Cow::Borrowed(line) => line.get(span).unwrap_or_default().into(),
-            Cow::Owned(line) => line.get(span).unwrap_or_default().to_vec().into(),
-        }
-    }
-
     /// Number of a word for a row that does not count the last digit of its register.
     #[cold]
     pub(crate) fn plain(&self, source: &Source, word: &Word) -> f64 {
         let register = &self.channel.env.machine.registers[word.register];
         let format = if self.channel.state.secondary { register.secondary } else { register.format };
-        let text = self.word_bytes(word);
+        let text = self.channel.word_bytes(word);
         let number = text.get(register.before.len()..).unwrap_or_default().trim_ascii_start();
         let number = number.strip_prefix(b"=").unwrap_or(number).trim_ascii_start();
         let number = number.strip_prefix(b"-").or(number.strip_prefix(b"+")).unwrap_or(number).trim_ascii();
@@ -156,7 +139,7 @@ impl Kernel<'_> {
             let Some(&word) = self.channel.block.words.get(at).filter(|word| !word.made) else { continue };
             let before = self.channel.env.machine.registers[word.register].before.len();
             let value = {
-                let line = self.text_bytes();
+                let line = self.channel.text_bytes();
                 let text = line.get(word.start as usize..word.end as usize).and_then(|text| text.get(before..));
                 let number =
                     text.map(|text| text.trim_ascii_start()).map(|text| text.strip_prefix(b"=").unwrap_or(text));
@@ -186,7 +169,7 @@ impl Kernel<'_> {
     /// (reference turning-cycles.md 1).
     #[cold]
     fn counting(&self, word: &Word) -> (f64, Dimension) {
-        let pointed = self.word_bytes(word).contains(&b'.');
+        let pointed = self.channel.word_bytes(word).contains(&b'.');
         match (pointed, self.channel.env.machine.unit) {
             (false, _) => (1.0, Dimension::Increments),
             (true, Unit::Mm) => (1000.0, Dimension::Length),
@@ -215,8 +198,11 @@ impl Kernel<'_> {
 
     #[cold]
     fn report_refused(&mut self, id: DataId, why: &str) {
-        let text =
-            format!("{} is asked for in '{}', but {why}", self.channel.env.machine.data_name(id), self.block_text());
+        let text = format!(
+            "{} is asked for in '{}', but {why}",
+            self.channel.env.machine.data_name(id),
+            self.channel.block_text()
+        );
         self.diagnose(&diag::DATA_REFUSED, text);
     }
 
@@ -268,7 +254,7 @@ impl Kernel<'_> {
             bound(row.min),
             bound(row.max),
             self.channel.env.machine.data_name(row.id),
-            self.block_text()
+            self.channel.block_text()
         );
         self.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     }

@@ -25,7 +25,7 @@ impl Kernel<'_> {
         let (leased, meaning) = match leases::by_name(self.channel.env.machine, (statement, name), channel, to) {
             Ok(found) => found,
             Err(reason) => {
-                let text = format!("{reason}, in '{}'", self.block_text());
+                let text = format!("{reason}, in '{}'", self.channel.block_text());
                 return Err(self.alarm(&diag::STATEMENT_ARGUMENTS, text));
             }
         };
@@ -91,7 +91,7 @@ impl Kernel<'_> {
             holder.map_or_else(|| "no channel holds it".to_owned(), |holder| format!("channel {holder} holds it"));
         let text = format!(
             "axis {name} is not in channel {channel} now, {whose}, in '{}'; no part of the block acts",
-            self.block_text()
+            self.channel.block_text()
         );
         self.alarm(&diag::AXIS_NOT_HELD, text)
     }

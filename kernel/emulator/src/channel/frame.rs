@@ -68,7 +68,7 @@ impl Kernel<'_> {
                 let text = format!(
                     "the axes of the channel cannot rotate work offset {} in '{}'; the rotation is ignored",
                     self.channel.state.place.in_force.work_offset,
-                    self.block_text()
+                    self.channel.block_text()
                 );
                 self.diagnose(&diag::FRAME_REFUSED, text);
             }

@@ -65,6 +65,7 @@ use crate::state::State;
 use crate::state::at::At;
 use crate::state::burden::Burden;
 use crate::state::channel::{Acting, BlockText, Channel, Reports};
+use crate::state::context::BlockContext;
 use crate::state::emitter::Emitter;
 use crate::state::pace::Pace;
 use counterpoint_machine::model::Channel as MachineChannel;
@@ -102,6 +103,8 @@ impl<'a> Kernel<'a> {
                 at: At { channel: channel.number, ..At::default() },
                 block: Block::default(),
                 text: BlockText { tape, ..BlockText::default() },
+                context: BlockContext::default(),
+                scanner: &plan.scanner,
                 acting: Acting::default(),
                 state,
                 reports: Reports::new(rules(env.whole)),

@@ -125,7 +125,11 @@ impl Kernel<'_> {
             if !turns && motion.from.at(axis) == motion.to.at(axis) {
                 continue;
             }
-            let text = format!("axis {} is clamped and moves in '{}'", self.channel.axis_name(axis), self.block_text());
+            let text = format!(
+                "axis {} is clamped and moves in '{}'",
+                self.channel.axis_name(axis),
+                self.channel.block_text()
+            );
             self.diagnose(&diag::CLAMPED, text);
         }
     }

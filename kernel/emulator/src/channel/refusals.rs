@@ -176,9 +176,12 @@ impl Kernel<'_> {
             let slots = words().fold(0, |slots, word| slots | exchanged(word.register));
             return self.check_exchanged(slots);
         };
-        let word = self.span_text((word.start, word.end));
-        let text =
-            format!("{} for {word} in '{}'; no part of the block acts", no_such_axis(&self.channel), self.block_text());
+        let word = self.channel.span_text((word.start, word.end));
+        let text = format!(
+            "{} for {word} in '{}'; no part of the block acts",
+            no_such_axis(&self.channel),
+            self.channel.block_text()
+        );
         Err(self.alarm(&diag::AXIS_NOT_IN_CHANNEL, text))
     }
 
@@ -212,7 +215,8 @@ impl Kernel<'_> {
             own &= own - 1;
         };
         let Some(rule) = rule else { return Ok(()) };
-        let text = format!("{} {} in '{}'; no part of the block acts", rule.alarm, rule.text, self.block_text());
+        let text =
+            format!("{} {} in '{}'; no part of the block acts", rule.alarm, rule.text, self.channel.block_text());
         Err(self.alarm(&diag::REFUSED, text))
     }
 
@@ -239,7 +243,7 @@ impl Kernel<'_> {
     /// Whether the word is a number with a decimal point; a point within an expression does not count.
     #[cold]
     fn is_written_with_point(&self, word: &Word) -> bool {
-        let text = self.word_bytes(word);
+        let text = self.channel.word_bytes(word);
         text.contains(&b'.') && !text.iter().any(|byte| matches!(byte, b'#' | b'['))
     }
 }

@@ -20,10 +20,10 @@ impl Kernel<'_> {
             // A cancelled search may not have looked everywhere.
             return;
         }
-        let stops = self.channel.stops_at(facts);
+        let stops = self.channel.env.machine.stops_at(facts);
         if self.has_room(stops) {
             self.log_diagnostic(facts, text.into(), stops);
-        } else if self.channel.is_alarm(facts) {
+        } else if self.channel.env.machine.is_alarm(facts) {
             self.channel.reports.alarms.softened = self.channel.reports.alarms.softened.saturating_add(1);
         }
     }
@@ -72,7 +72,10 @@ impl Kernel<'_> {
         }
         self.channel.reports.alarms.stopping |= stops;
         let own = self.channel.env.machine.diagnostics.stops(facts.number);
-        if self.channel.is_alarm(facts) && own != Some(false) && self.channel.reports.alarms.errors == errors {
+        if self.channel.env.machine.is_alarm(facts)
+            && own != Some(false)
+            && self.channel.reports.alarms.errors == errors
+        {
             self.channel.reports.alarms.softened = self.channel.reports.alarms.softened.saturating_add(1);
         }
     }
@@ -80,7 +83,7 @@ impl Kernel<'_> {
     /// Logs an alarm of the control and returns its effect: the channel stops, or the rest of the block is dropped.
     pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
-        self.halted(if self.channel.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
+        self.halted(if self.channel.env.machine.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
     }
 
     /// The halt that ends a block; if the job is to end, nothing is an alarm any more.
@@ -133,17 +136,5 @@ impl Kernel<'_> {
         let (number, severity, text) = (diag::ALARM_SOFTENED.number, diag::ALARM_SOFTENED.severity, text.into());
         let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
         self.channel.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
-    }
-
-    /// Text of the user's current block, for messages: at most 60 characters. Codes that a macro executes without a text of
-    /// their own belong to the block of the program.
-    pub(crate) fn block_text(&self) -> String {
-        match self.macros.block.text.as_ref().filter(|text| !text.trim().is_empty()) {
-            Some(text) => counterpoint_event::info::cut(text, 60),
-            None => {
-                let place = self.channel.at.user_place();
-                self.channel.env.info.block_text(place.file, place.line, 60).into_owned()
-            }
-        }
     }
 }

@@ -21,7 +21,8 @@ impl Kernel<'_> {
     /// Changes the commanded state, logs it, and lets the spindle run up.
     pub(crate) fn command_spindle(&mut self, change: impl Fn(&mut Command)) -> Acted {
         let Some(id) = self.channel.state.spindle.id else {
-            let text = format!("channel {} has no spindle for '{}'", self.channel.at.channel, self.block_text());
+            let text =
+                format!("channel {} has no spindle for '{}'", self.channel.at.channel, self.channel.block_text());
             self.diagnose(&diag::NO_SPINDLE, text);
             return Ok(());
         };
@@ -53,7 +54,7 @@ impl Kernel<'_> {
         if conflict != 0 {
             let text = format!(
                 "channels {conflict} and {channel} both command the spindle without a sync point between them, here in '{}': the later command takes effect",
-                self.block_text()
+                self.channel.block_text()
             );
             self.diagnose(&diag::SPINDLE_CONFLICT, text);
         }
@@ -96,7 +97,7 @@ impl Kernel<'_> {
             let text = format!(
                 "{} rev/min is above the maximum speed {max} of spindle {number} in '{}'",
                 now.rpm,
-                self.block_text()
+                self.channel.block_text()
             );
             self.diagnose(&diag::SPINDLE_LIMIT, text);
         }

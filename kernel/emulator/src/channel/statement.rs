@@ -28,8 +28,10 @@ impl Kernel<'_> {
         match done {
             Some(remaining) => self.remains(remaining?, text),
             None => {
-                let text =
-                    format!("'{}' is issued while the pre-processor waits for a macro; ignored", self.block_text());
+                let text = format!(
+                    "'{}' is issued while the pre-processor waits for a macro; ignored",
+                    self.channel.block_text()
+                );
                 self.diagnose(&diag::PREPROCESSOR_ASKS, text);
                 Ok(())
             }
@@ -145,7 +147,7 @@ impl Kernel<'_> {
             }
         }
         let Some((file, range)) = found else {
-            let text = format!("subprogram {name} not found, called in '{}'", self.block_text());
+            let text = format!("subprogram {name} not found, called in '{}'", self.channel.block_text());
             return self.program_missing(text);
         };
         if self.cycle_at_once((file, range), &called, &name)? {

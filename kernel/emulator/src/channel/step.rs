@@ -50,7 +50,7 @@ impl Kernel<'_> {
             Go::On => Ok(()),
             Go::Reset => {
                 self.channel.reports.reset = true;
-                let text = format!("channel {channel} is reset by the operator before '{}'", self.block_text());
+                let text = format!("channel {channel} is reset by the operator before '{}'", self.channel.block_text());
                 Err(self.fatal(&diag::CHANNEL_RESET, text))
             }
         }

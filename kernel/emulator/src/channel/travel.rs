@@ -105,7 +105,7 @@ impl Kernel<'_> {
         let text = format!(
             "axis {name} would be at {at:.3} in the basic coordinate system, beyond the limit {bound} of the working area, \
              in '{}'; no part of the block acts",
-            self.block_text()
+            self.channel.block_text()
         );
         self.diagnose(&diag::WORK_AREA, text);
         self.channel.check_stop()
@@ -161,7 +161,7 @@ impl Kernel<'_> {
         let Some(role) = broken else { return };
         let name = ["X", "Y", "Z"].get(role).copied().unwrap_or_default();
         let does = if area.keep_out { "enters the forbidden area" } else { "leaves the allowed area" };
-        let text = format!("the tool {does} along {name} in '{}'", self.block_text());
+        let text = format!("the tool {does} along {name} in '{}'", self.channel.block_text());
         self.diagnose(&diag::STORED_LIMIT, text);
     }
 
@@ -219,7 +219,7 @@ impl Kernel<'_> {
         let text = format!(
             "axis {} at {at:.3} in the machine frame is beyond its limits {low} to {high} in '{}'{hint}",
             axis.name,
-            self.block_text()
+            self.channel.block_text()
         );
         self.diagnose(&diag::OVER_TRAVEL, text);
     }
@@ -233,7 +233,7 @@ fn whole_number(kernel: &Kernel<'_>, word: &Word, axis: &str) -> Option<String> 
     if register.before != axis || register.counts || word.made || !machine.preprocessor.row().counts_increments {
         return None;
     }
-    let text = String::from_utf8_lossy(&kernel.word_bytes(word)).into_owned();
+    let text = String::from_utf8_lossy(&kernel.channel.word_bytes(word)).into_owned();
     let digits = text.trim_start_matches(|c: char| !c.is_ascii_digit());
     (digits.len() >= FEWEST_DIGITS && digits.bytes().all(|byte| byte.is_ascii_digit())).then_some(text)
 }

@@ -8,6 +8,7 @@
 use super::Kernel;
 use super::letter_zero::letter_for_zero;
 use crate::state::channel::Channel;
+use crate::state::text;
 use counterpoint_dialect::Unknown;
 use counterpoint_fault::Acted;
 use counterpoint_fault::{self as diag, Facts};
@@ -41,8 +42,8 @@ impl Kernel<'_> {
             (irregular::SIGN, &diag::MINUS_SIGN, "a value is negative at an address that takes no sign"),
         ];
         for (bit, facts, what) in kinds {
-            if self.channel.block.flags.irregular & bit != 0 && self.channel.is_alarm(facts) {
-                let text = format!("{what} in '{}'; no part of the block acts", self.block_text());
+            if self.channel.block.flags.irregular & bit != 0 && self.channel.env.machine.is_alarm(facts) {
+                let text = format!("{what} in '{}'; no part of the block acts", self.channel.block_text());
                 return Err(self.alarm(facts, text));
             }
         }
@@ -60,7 +61,7 @@ impl Kernel<'_> {
         if self.channel.env.machine.habits.unknown_alarms {
             let Some(what) = code.or(first) else { return Ok(()) };
             let (facts, why) = self.not_known(&what);
-            let block = self.block_text();
+            let block = self.channel.block_text();
             let hint = letter_for_zero(&what, &block);
             let remedy = self.remedy(facts, &what);
             return Err(self.alarm(facts, format!("{why} in '{block}'{hint}; no part of the block acts{remedy}")));
@@ -75,7 +76,7 @@ impl Kernel<'_> {
     fn unknown_parts(&mut self) -> Vec<String> {
         self.left_name();
         let name = self.channel.block.name().filter(|_| calls_by_name(&self.channel));
-        let line = self.text_bytes();
+        let line = self.channel.text_bytes();
         let spans = self.channel.block.unrecognised.iter().filter(|span| Some(**span) != name);
         let text = |&(start, end): &(u32, u32)| {
             let bytes = line.get(start as usize..end as usize).unwrap_or_default();
@@ -96,7 +97,7 @@ impl Kernel<'_> {
             if !known.insert(part.clone()) {
                 continue;
             }
-            let block = self.block_text();
+            let block = self.channel.block_text();
             let hint = letter_for_zero(&part, &block);
             if self.channel.env.machine.habits.unknown_alarms {
                 let (facts, why) = self.not_known(&part);
@@ -169,7 +170,7 @@ impl Kernel<'_> {
     /// The emulated system lets the active motion code have the words of a block whose code it does not know. That is
     /// an error: on the control they mean something else.
     fn moves_all_the_same(&mut self, code: &str) {
-        let moves = self.channel.has_any(self.plan.registers.motion) && !self.moves_by_itself();
+        let moves = self.channel.block.has_any(self.plan.registers.motion) && !self.moves_by_itself();
         let letter = code.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
         let motions = self
             .channel
@@ -184,7 +185,7 @@ impl Kernel<'_> {
         });
         if moves && registers.any(|register| letter.is_some_and(|(of, _)| of == register)) {
             let code = shortened(code);
-            let text = format!("'{}' moves by the active motion code, {code} is not known", self.block_text());
+            let text = format!("'{}' moves by the active motion code, {code} is not known", self.channel.block_text());
             self.diagnose(&diag::UNKNOWN_MOVES, text);
         }
     }
@@ -196,12 +197,12 @@ impl Kernel<'_> {
 
     /// The text that is unrecognised after all codes have acted.
     pub(crate) fn unknown_text(&mut self) -> Acted {
-        let left = self.left_text();
+        let left = text::left_text(&self.channel);
         let text = shortened(&left.split_whitespace().collect::<Vec<_>>().join(" "));
         if text.is_empty() {
             return Ok(());
         }
-        let block = self.block_text();
+        let block = self.channel.block_text();
         let hint = letter_for_zero(&text, &block);
         if self.channel.env.machine.habits.unknown_alarms {
             let (facts, why) = self.not_known(&text);

@@ -104,7 +104,7 @@ impl Kernel<'_> {
         show(self, &shown, if matches!(act, wait::Act::Signal(_)) { "set" } else { "clear" });
         let tag = self.channel.tag();
         self.shared(|order| order.act_with(tag, act, letter))?.map_err(|reason| {
-            let text = format!("250001 {reason}, in '{}'", self.block_text());
+            let text = format!("250001 {reason}, in '{}'", self.channel.block_text());
             self.alarm(&diag::SIGNALS_FULL, text)
         })
     }
@@ -120,7 +120,7 @@ impl Kernel<'_> {
                 let awaited = wait.key.number;
                 let text = format!(
                     "250002 signal {older} was sent before signal {awaited} and is not used yet, at '{}'",
-                    self.block_text()
+                    self.channel.block_text()
                 );
                 self.diagnose(&diag::SIGNAL_ORDER, text);
             }
@@ -153,7 +153,7 @@ impl Kernel<'_> {
         if !std::mem::replace(&mut self.channel.reports.waits.order_noted, true) {
             let text = format!(
                 "the outcome depends on which channel comes first at '{}'; endless waits after it are not reported",
-                self.block_text()
+                self.channel.block_text()
             );
             self.diagnose(&diag::LINT_ORDER, text);
         }
@@ -163,13 +163,13 @@ impl Kernel<'_> {
 
 /// A program of another channel cannot be selected or started.
 fn not_startable(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
-    let text = format!("{reason}, in '{}'", kernel.block_text());
+    let text = format!("{reason}, in '{}'", kernel.channel.block_text());
     kernel.alarm(&diag::CHANNEL_NOT_STARTED, text)
 }
 
 /// The act of the channel at its wait is not possible.
 pub(super) fn impossible(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
-    let text = format!("{reason}, in '{}'", kernel.block_text());
+    let text = format!("{reason}, in '{}'", kernel.channel.block_text());
     kernel.fatal(&diag::WAIT_IMPOSSIBLE, text)
 }
 
@@ -398,7 +398,7 @@ fn go_on(kernel: &mut Kernel<'_>, released: (i64, u32), release: Release) {
 /// Reports that a counted wait has synchronised nothing.
 fn report_short(kernel: &mut Kernel<'_>, short: Option<Short>) {
     let Some(short) = short else { return };
-    let block = kernel.block_text();
+    let block = kernel.channel.block_text();
     let text = match short {
         Short::Ended => format!("no partner is left for '{block}'; the channel continues without waiting"),
         Short::Elsewhere => {

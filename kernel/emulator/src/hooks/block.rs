@@ -3,6 +3,7 @@
 //! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro
 //! that asks for it; it is split into words again only if a macro has changed it.
 
+use crate::state::text;
 use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
@@ -32,12 +33,12 @@ impl Kernel<'_> {
         if may_embed {
             self.delete_around_code();
         }
-        if may_embed && self.embedded(0)? && self.text_bytes().trim_ascii().is_empty() {
+        if may_embed && self.embedded(0)? && self.channel.text_bytes().trim_ascii().is_empty() {
             return Ok(Edited::Dropped);
         }
         let preprocess = self.plan.scanner.has_preprocessor();
         let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
-        self.macros.block.preprocessed = preprocess;
+        self.channel.context.preprocessed = preprocess;
         Ok(if preprocess { Edited::Preprocess } else { Edited::Plain })
     }
 
@@ -51,13 +52,13 @@ impl Kernel<'_> {
 
     /// Pre-Processor Shutdown after a statement that made no words; the text that the macro returns becomes the block.
     pub(crate) fn consumed_block(&mut self) -> Acted {
-        let made = std::mem::take(&mut self.macros.block.made);
+        let made = std::mem::take(&mut self.channel.context.made);
         if made || self.macros.ready(Hook::PreprocessorShutdown).is_none() {
             return Ok(());
         }
-        self.macros.block.text = Some(Arc::default());
+        self.channel.context.text = Some(Arc::default());
         let edited = self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited;
-        if !edited || self.text_bytes().trim_ascii().is_empty() {
+        if !edited || self.channel.text_bytes().trim_ascii().is_empty() {
             return Ok(());
         }
         self.split_again();
@@ -69,31 +70,31 @@ impl Kernel<'_> {
         if !block::knows_data(self.channel.env.machine, data::OPSKIP) {
             return;
         }
-        let absent = |mark: u8| self.macros.block.text.is_none() && edit::is_line_without(&self.channel, mark);
+        let absent = |mark: u8| self.channel.context.text.is_none() && edit::is_line_without(&self.channel, mark);
         if self.plan.scanner.skip_mark().is_none_or(absent) {
-            self.macros.block.mark = None;
+            self.channel.context.mark = None;
             return;
         }
         let level = match self.block_scanner() {
-            Some(scanner) => scanner.first_mark(&self.text_bytes()),
-            None => self.plan.scanner.first_mark(&self.text_bytes()),
+            Some(scanner) => scanner.first_mark(&self.channel.text_bytes()),
+            None => self.plan.scanner.first_mark(&self.channel.text_bytes()),
         };
-        self.macros.block.mark = level;
+        self.channel.context.mark = level;
     }
 
     /// Pre-Processor Shutdown for words that the pre-processor made: they become text if a macro or embedded code sees
     /// them.
     pub(crate) fn words_as_text(&mut self) -> Acted {
-        self.macros.block.made = true;
+        self.channel.context.made = true;
         let left = Some(std::mem::take(&mut self.dialect.left.text)).filter(|left| !left.is_empty()).map(Arc::new);
         let asked =
             [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.macros.ready(hook).is_some());
         if !asked && !self.has_embedded(1) {
-            self.macros.block.left = left;
+            self.channel.context.left = left;
         } else {
             match left {
                 None => self.write_block(),
-                left => self.macros.block.text = left,
+                left => self.channel.context.text = left,
             }
             self.block_macro(Hook::PreprocessorShutdown)?;
             self.split_again();
@@ -135,14 +136,14 @@ impl Kernel<'_> {
                 text.push(' ');
             }
         }
-        let line = self.text_bytes();
+        let line = self.channel.text_bytes();
         for &(start, end) in &self.channel.block.unrecognised {
             let part = line.as_ref().get(start as usize..end as usize).unwrap_or_default();
             text.push_str(&String::from_utf8_lossy(part));
             text.push(' ');
         }
         text.truncate(text.trim_end().len());
-        self.macros.block.text = Some(Arc::new(text));
+        self.channel.context.text = Some(Arc::new(text));
     }
 
     /// The scanner for the text of the block in process, if not the plan's: text made by the pre-processor undergoes no
@@ -152,7 +153,7 @@ impl Kernel<'_> {
         self.plan.hooks?;
         let runtime = &*self.macros;
         match &self.plan.unmarked {
-            Some(scanner) if runtime.block.made => Some(Arc::clone(scanner)),
+            Some(scanner) if self.channel.context.made => Some(Arc::clone(scanner)),
             _ => runtime.reading.switched.clone(),
         }
     }
@@ -171,7 +172,7 @@ impl Kernel<'_> {
 
     /// Embedded code after the pre-processor and Block Startup; false if the block is dropped.
     pub(crate) fn before_codes(&mut self) -> Result<bool, Halt> {
-        if self.text_bytes().trim_ascii().is_empty() {
+        if self.channel.text_bytes().trim_ascii().is_empty() {
             return Ok(false);
         }
         let changed = self.embedded(1)?;
@@ -180,13 +181,13 @@ impl Kernel<'_> {
             Verdict::Edited => {
                 self.split_again();
                 self.trace('E', |kernel| {
-                    trace::edited(Stage::BlockMacro, &String::from_utf8_lossy(&kernel.text_bytes()))
+                    trace::edited(Stage::BlockMacro, &String::from_utf8_lossy(&kernel.channel.text_bytes()))
                 });
             }
             Verdict::Go if changed => self.split_again(),
             Verdict::Go => {}
         }
-        Ok(!self.text_bytes().trim_ascii().is_empty())
+        Ok(!self.channel.text_bytes().trim_ascii().is_empty())
     }
 
     /// Runs a macro with the arguments of block macros: flag, text, number of the block.
@@ -207,7 +208,7 @@ impl Kernel<'_> {
                     let text = format!("$P2 of the {} has {length} bytes, a block may have {limit}", hook.title());
                     return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
                 }
-                self.macros.block.text = Some(text);
+                self.channel.context.text = Some(text);
                 Verdict::Edited
             }
             (Some(_), Value::Text(_)) | (None, _) => Verdict::Go,
@@ -227,7 +228,7 @@ impl Kernel<'_> {
         self.left_name();
         let runtime = &*self.macros;
         let asks = runtime.calls.uses(code, 2);
-        let left = if asks { self.left_text() } else { String::new() };
+        let left = if asks { text::left_text(&self.channel) } else { String::new() };
         let mut arguments =
             [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.channel.at.line))];
         self.run_macro(code, Task::None, &mut arguments)?;
@@ -239,31 +240,18 @@ impl Kernel<'_> {
                     let text = format!("$P2 of the {title} has {length} bytes, a block may have {limit}");
                     return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
                 }
-                self.set_left(text.as_ref().clone());
+                text::set_left(&mut self.channel, text.as_ref().clone());
             }
             _ => {}
         }
         Ok(())
     }
 
-    /// Text of the block in process.
-    pub(crate) fn text_bytes(&self) -> std::borrow::Cow<'_, [u8]> {
-        match self.macros.block.text.as_ref() {
-            Some(text) => text.as_bytes().into(),
-            None => self.current_text().into(),
-        }
-    }
-
-    /// The text of the block with the words that the pre-processor made.
-    pub(crate) fn preprocessed_bytes(&self) -> std::borrow::Cow<'_, [u8]> {
-        self.macros.block.left.as_ref().map_or_else(|| self.text_bytes(), |left| left.as_bytes().into())
-    }
-
     /// The same for a macro.
     pub(crate) fn text_value(&mut self) -> Value {
         let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let runtime = &mut *self.macros;
-        if let Some(text) = &runtime.block.text {
+        if let Some(text) = &self.channel.context.text {
             return Value::Text(Arc::clone(text));
         }
         let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
@@ -275,25 +263,6 @@ impl Kernel<'_> {
                 Err(_) => text.push_str(&String::from_utf8_lossy(bytes)),
             }
         }))
-    }
-
-    /// Unrecognised text, or the text that a macro left in its place.
-    pub(crate) fn left_text(&self) -> String {
-        if let Some(text) = self.macros.block.unrecognised.as_ref() {
-            return text.as_ref().clone();
-        }
-        let parts: Vec<String> = self.channel.block.unrecognised.iter().map(|&span| self.span_text(span)).collect();
-        parts.join(" ")
-    }
-
-    /// Replaces the left-over text.
-    pub(crate) fn set_left(&mut self, text: String) {
-        self.channel.block.unrecognised.clear();
-        if !text.trim().is_empty() {
-            // Any span will do: the text comes from here.
-            self.channel.block.unrecognised.push((0, 0));
-        }
-        self.macros.block.unrecognised = Some(Arc::new(text));
     }
 }
 

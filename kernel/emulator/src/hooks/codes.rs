@@ -13,9 +13,9 @@ use crate::channel::hook_points::Origin;
 use crate::channel::plan::{NEEDED, RECALLED};
 use crate::host::block;
 use crate::macros::calls::Task;
-use crate::macros::context::Withheld;
 use crate::macros::values::{code_value, data_value};
 use crate::pipeline::codes::data_of_code;
+use crate::state::context::Withheld;
 use crate::state::modal::group;
 use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
@@ -44,7 +44,7 @@ impl Kernel<'_> {
             self.macros.books.note_sequence(number);
         }
         self.channel.block.next = 0;
-        let mark = self.macros.block.mark.filter(|_| origin == Origin::Text);
+        let mark = self.channel.context.mark.filter(|_| origin == Origin::Text);
         if let Some(level) = mark {
             self.channel.block.added.push((data::OPSKIP, f64::from(level)));
         }
@@ -87,7 +87,9 @@ impl Kernel<'_> {
 
     /// Codes that data fire: motion by added axis values, and the codes set up by `$FCEDAC`.
     pub(crate) fn imply_by_data(&mut self) {
-        if self.adds_motion() && !self.group_queued(group::MOTION) && !self.channel.has_any(self.plan.registers.motion)
+        if self.adds_motion()
+            && !self.group_queued(group::MOTION)
+            && !self.channel.block.has_any(self.plan.registers.motion)
         {
             self.imply_motion();
         }
@@ -139,16 +141,16 @@ impl Kernel<'_> {
     /// A code that has been removed from the block: its macro, otherwise its action.
     #[inline(never)]
     pub(crate) fn act_with_macros(&mut self, pending: PendingCode, id: CodeId) -> Acted {
-        let outer = self.macros.block.set_code(Some(id));
+        let outer = self.channel.context.set_code(Some(id));
         let done = self.run_code(pending, id);
-        self.macros.block.set_code(outer);
+        self.channel.context.set_code(outer);
         self.report_withheld();
         done
     }
 
     /// Reports that a data macro has removed a value that an action needed, unless the action has reported it.
     fn report_withheld(&mut self) {
-        let Some(Withheld { id, code, diagnostics }) = self.macros.block.withheld.take() else { return };
+        let Some(Withheld { id, code, diagnostics }) = self.channel.context.withheld.take() else { return };
         if self.channel.reports.diagnostics != diagnostics {
             return;
         }
@@ -157,7 +159,7 @@ impl Kernel<'_> {
         let text = format!(
             "the data macro '{name}' removes the value of {} in '{}'; the action continues without it",
             machine.data_name(id),
-            self.block_text()
+            self.channel.block_text()
         );
         self.diagnose(&diag::VALUE_WITHHELD, text);
     }
@@ -296,7 +298,7 @@ impl Kernel<'_> {
             if arguments.first().and_then(Value::as_real) == Some(0.0) {
                 if NEEDED.contains(&id) {
                     let diagnostics = self.channel.reports.diagnostics;
-                    self.macros.block.withheld = Some(Withheld { id, code, diagnostics });
+                    self.channel.context.withheld = Some(Withheld { id, code, diagnostics });
                 }
                 return None;
             }

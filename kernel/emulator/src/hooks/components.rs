@@ -16,6 +16,7 @@ use crate::channel::Kernel;
 use crate::channel::components::Resting;
 use crate::channel::dialect_state::DialectState;
 use crate::state::arc::Arcs;
+use crate::state::context::BlockContext;
 use crate::state::cycle::Cycle;
 use crate::state::modal::{Modal, group};
 use crate::state::position::Place;
@@ -50,6 +51,7 @@ impl Kernel<'_> {
         let before = self.channel.env.machine;
         (self.channel.env.machine, self.plan) = (next.machine, next.plan);
         self.channel.state.times.record_motions(next.plan.hooks.is_some());
+        (self.channel.scanner, self.channel.context) = (&next.plan.scanner, BlockContext::default());
         if first {
             self.set_up_macros(next.macros);
         }

@@ -21,7 +21,7 @@ const MOST_CODES: usize = 5000;
 impl Kernel<'_> {
     /// Block delete comes before embedded code, which the block holds; a mark inside such code is none.
     pub(crate) fn delete_around_code(&mut self) {
-        let text = self.text_bytes().into_owned();
+        let text = self.channel.text_bytes().into_owned();
         let seen = self.without_code(&text);
         let (plan, switched) = (self.plan, self.macros.reading.switched.clone());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
@@ -29,7 +29,7 @@ impl Kernel<'_> {
         let left = String::from_utf8_lossy(&left).into_owned();
         let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
         self.trace('E', |_| trace::edited(stage, left.trim()));
-        self.macros.block.text = Some(Arc::new(left));
+        self.channel.context.text = Some(Arc::new(left));
     }
 
     /// The text with blanks in place of embedded code.
@@ -54,8 +54,8 @@ impl Kernel<'_> {
         let runtime = &*self.macros;
         let open = runtime.variables.store.embedding.get(kind).map_or("", String::as_str);
         let Some(&first) = open.as_bytes().first() else { return false };
-        let absent = runtime.block.text.is_none() && edit::is_line_without(&self.channel, first);
-        !absent && contains(&self.text_bytes(), open.as_bytes())
+        let absent = self.channel.context.text.is_none() && edit::is_line_without(&self.channel, first);
+        !absent && contains(&self.channel.text_bytes(), open.as_bytes())
     }
 
     /// Runs embedded code and puts its values in its place; true if there was any.
@@ -69,13 +69,13 @@ impl Kernel<'_> {
         if close.is_empty() {
             return Ok(false);
         }
-        let text = String::from_utf8_lossy(&self.text_bytes()).into_owned();
+        let text = String::from_utf8_lossy(&self.channel.text_bytes()).into_owned();
         let mut out = String::new();
         let mut rest = text.as_str();
         while let Some((before, after)) = rest.split_once(open.as_str()) {
             out.push_str(before);
             let Some((code, behind)) = after.split_once(close.as_str()) else {
-                let text = format!("embedded macro code without '{close}' in '{}'", self.block_text());
+                let text = format!("embedded macro code without '{close}' in '{}'", self.channel.block_text());
                 self.diagnose(&diag::EMBEDDED_CODE, text);
                 rest = "";
                 break;
@@ -95,7 +95,7 @@ impl Kernel<'_> {
         if out != text {
             self.trace('E', |_| trace::edited(Stage::EmbeddedMacro, out.trim()));
         }
-        self.macros.block.text = Some(Arc::new(out));
+        self.channel.context.text = Some(Arc::new(out));
         Ok(true)
     }
 

@@ -20,7 +20,10 @@ use crate::channel::hook_points::{BlockHooks, CodeHooks, HookPoints, ProgramHook
 pub static POINTS: HookPoints = HookPoints {
     block: BlockHooks {
         next: |kernel| kernel.change_component().or_else(|| kernel.next_issued()),
-        begin: |kernel| kernel.macros.begin_text(None),
+        begin: |kernel| {
+            kernel.channel.context.begin(None);
+            kernel.macros.variables.store.number = 0;
+        },
         edit: |kernel| kernel.edit_block(),
         preprocessed: |kernel| kernel.after_preprocessor(),
         made: |kernel| kernel.words_as_text(),

@@ -11,10 +11,10 @@ use crate::channel::Kernel;
 use crate::channel::flow::Pending;
 use crate::channel::hook_points::Origin;
 use crate::host::block;
-use crate::macros::context::BlockContext;
 use crate::macros::issued::Later;
 use crate::state::burden;
 use crate::state::channel::Acting;
+use crate::state::context::BlockContext;
 use counterpoint_event::event::{Kind, Listing};
 use counterpoint_fault as diag;
 use counterpoint_program::block::Block;
@@ -45,7 +45,8 @@ impl Kernel<'_> {
 
     /// Processes a text as a block.
     pub(crate) fn issued_block(&mut self, text: Arc<String>) -> Acted {
-        self.macros.begin_text(Some(text));
+        self.channel.context.begin(Some(text));
+        self.macros.variables.store.number = 0;
         self.block(&[])
     }
 
@@ -93,7 +94,7 @@ impl Kernel<'_> {
         inner.clear();
         Outer {
             block: std::mem::replace(&mut self.channel.block, inner),
-            context: self.macros.block.enter(),
+            context: self.channel.context.enter(),
             acting: Acting { as_data: self.channel.acting.as_data.take(), ..self.channel.acting },
             pending: self.flow.pending.take(),
         }
@@ -112,12 +113,12 @@ impl Kernel<'_> {
         self.channel.state.remembered.remember_sequence(self.channel.block.sequence);
         let nested = std::mem::replace(&mut self.channel.block, block);
         self.macros.issued.spares.push(nested);
-        self.macros.block = context;
+        self.channel.context = context;
     }
 
     /// A block given as identifiers and values: straight to the code loop.
     pub(crate) fn item_block(&mut self, items: &[Value]) -> Acted {
-        self.macros.block.text = Some(Arc::default());
+        self.channel.context.text = Some(Arc::default());
         let mut items = items.iter();
         while let Some(item) = items.next() {
             if let Some(id) = self.code_id(item) {

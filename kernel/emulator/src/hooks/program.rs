@@ -40,7 +40,7 @@ impl Kernel<'_> {
         runtime.calls.resume();
         runtime.issued.later.clear();
         runtime.course.closing = true;
-        runtime.block.text = None;
+        self.channel.context.text = None;
         self.channel.reports.alarms.stopping = false;
         match self.plain_macro(Hook::ProgramShutdown) {
             Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,

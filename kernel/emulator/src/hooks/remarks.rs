@@ -22,11 +22,11 @@ impl Kernel<'_> {
     /// Comments and messages of a block that is split into words.
     pub(crate) fn remarks_of_block(&mut self) -> Acted {
         // Remarks of a statement have acted before the statement.
-        let are_done = self.macros.block.made && self.macros.block.text.is_none();
+        let are_done = self.channel.context.made && self.channel.context.text.is_none();
         if !self.may_have_remarks() || are_done && self.channel.block.messages.is_empty() {
             return Ok(());
         }
-        let text = self.text_bytes().into_owned();
+        let text = self.channel.text_bytes().into_owned();
         self.remarks(&text)
     }
 
@@ -37,12 +37,13 @@ impl Kernel<'_> {
 
     /// Whether the block has messages, or comments and messages fire codes.
     pub(crate) fn may_have_remarks(&self) -> bool {
-        !self.channel.block.messages.is_empty() || self.macros.remarks_fire().contains(&true)
+        !self.channel.block.messages.is_empty()
+            || self.macros.remarks_fire(self.channel.context.preprocessed).contains(&true)
     }
 
     /// Comments and messages of a text, from left to right.
     fn remarks(&mut self, text: &[u8]) -> Acted {
-        let fires = self.macros.remarks_fire();
+        let fires = self.macros.remarks_fire(self.channel.context.preprocessed);
         self.channel.block.messages.clear();
         for (is_message, start, end) in self.plan.scanner.remarks(text) {
             let remark = String::from_utf8_lossy(text.get(start..end).unwrap_or_default()).trim().to_owned();
@@ -66,7 +67,7 @@ impl Kernel<'_> {
 
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {
         self.keep_remark(id, &text);
-        let outer = self.macros.block.set_code(Some(id));
+        let outer = self.channel.context.set_code(Some(id));
         let done = match self.matching_code_macro(id) {
             Some(code) => {
                 let mut arguments = [code_value(Some(id)), Value::Text(Arc::clone(&text))];
@@ -81,7 +82,7 @@ impl Kernel<'_> {
                 Ok(())
             }
         };
-        self.macros.block.set_code(outer);
+        self.channel.context.set_code(outer);
         done?;
         self.pending_halt()
     }

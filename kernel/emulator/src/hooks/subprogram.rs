@@ -6,6 +6,7 @@
 //! of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of
 //! the job.
 
+use crate::state::text;
 use counterpoint_fault::{Acted, Halt};
 
 use counterpoint_lang::value::Value;
@@ -30,7 +31,7 @@ impl Kernel<'_> {
         let macros = self.channel.env.machine.macros.as_deref().filter(|_| self.plan.hooks.is_some());
         let hooks = [Hook::SubprogramStartup, Hook::SubprogramShutdown];
         let asks = macros.is_some_and(|macros| hooks.into_iter().any(|hook| macros.hook(hook).is_some()));
-        let block = asks.then(|| String::from_utf8_lossy(&self.preprocessed_bytes()).trim().into());
+        let block = asks.then(|| String::from_utf8_lossy(&text::preprocessed_bytes(&self.channel)).trim().into());
         Called { what, passes, block }
     }
 

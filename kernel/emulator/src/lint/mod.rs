@@ -210,7 +210,7 @@ impl Walk<'_, '_> {
 
     /// The channel is judged up to this block.
     fn lost(&mut self, reason: &str) -> Halt {
-        let text = format!("the waits are judged up to here: {reason}, at '{}'", self.kernel.block_text());
+        let text = format!("the waits are judged up to here: {reason}, at '{}'", self.kernel.channel.block_text());
         self.kernel.diagnose(&diag::LINT_LOST, text);
         Halt::Blocked
     }

@@ -39,7 +39,7 @@ impl Walk<'_, '_> {
             Step::Signal(signal) => self.signal(&signal),
             Step::Jump(Goal::At(target)) => self.jump(target),
             Step::Jump(Goal::Missing(what)) => {
-                let text = format!("{what} not found in the program for '{}'", self.kernel.block_text());
+                let text = format!("{what} not found in the program for '{}'", self.kernel.channel.block_text());
                 Err(self.kernel.alarm(&diag::JUMP_TARGET, text))
             }
             Step::Jump(Goal::Computed) | Step::Branch(Goal::Computed) => {
@@ -86,7 +86,7 @@ impl Walk<'_, '_> {
             Step::Alarm => Err(self.lost("the program raises an alarm of its own")),
             Step::Hidden(reason) => Err(self.lost(&reason)),
             Step::Mistake(text) => {
-                let text = format!("{text}, in '{}'", self.kernel.block_text());
+                let text = format!("{text}, in '{}'", self.kernel.channel.block_text());
                 Err(self.kernel.alarm(&diag::LINT_UNREADABLE, text))
             }
         }
@@ -120,7 +120,10 @@ impl Walk<'_, '_> {
     /// Says once that loops are taken to end.
     fn note_loop(&mut self) {
         if !std::mem::replace(&mut self.loops, true) {
-            let text = format!("loops without waits are taken to end, the first one at '{}'", self.kernel.block_text());
+            let text = format!(
+                "loops without waits are taken to end, the first one at '{}'",
+                self.kernel.channel.block_text()
+            );
             self.kernel.diagnose(&diag::LINT_LOOPS, text);
         }
     }
@@ -129,7 +132,7 @@ impl Walk<'_, '_> {
     pub(super) fn report_missing(&mut self, what: &str) {
         let text = format!(
             "{what} is not in the program, the jump in '{}' is an alarm when it is made",
-            self.kernel.block_text()
+            self.kernel.channel.block_text()
         );
         self.kernel.diagnose(&diag::LINT_TARGET, text);
     }
@@ -170,7 +173,7 @@ impl Walk<'_, '_> {
     }
 
     fn wrong(&mut self, reason: &str) -> Halt {
-        let text = format!("{reason}, in '{}'", self.kernel.block_text());
+        let text = format!("{reason}, in '{}'", self.kernel.channel.block_text());
         self.kernel.alarm(&diag::STATEMENT_ARGUMENTS, text)
     }
 
@@ -229,7 +232,7 @@ impl Walk<'_, '_> {
         self.check_calls()?;
         let Called { name, place, passes } = called;
         let Some((file, range)) = place else {
-            let text = format!("subprogram {name} not found, called in '{}'", self.kernel.block_text());
+            let text = format!("subprogram {name} not found, called in '{}'", self.kernel.channel.block_text());
             return self.kernel.program_missing(text);
         };
         let Some(passes) = passes else {

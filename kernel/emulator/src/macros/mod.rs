@@ -5,7 +5,6 @@
 mod asked;
 pub(crate) mod books;
 pub(crate) mod calls;
-pub(crate) mod context;
 pub(crate) mod hooks;
 pub(crate) mod issued;
 pub mod parts;

@@ -8,7 +8,6 @@ use counterpoint_lang::compile::Program;
 
 use super::books::Books;
 use super::calls::{Calls, Task};
-use super::context::BlockContext;
 use super::hooks::Hooks;
 use super::issued::Issued;
 use super::parts::{Arguments, Course, DiagnosticChanges, Modes, Outside, Reading, Variables};
@@ -24,7 +23,6 @@ pub struct Runtime {
     pub(crate) program: Arc<Program>,
     pub(crate) hooks: Hooks,
     pub(crate) calls: Calls,
-    pub(crate) block: BlockContext,
     /// Blocks that macros left for later.
     pub issued: Issued,
     pub(crate) modes: Modes,
@@ -69,12 +67,6 @@ impl Runtime {
         self.hooks.of(hook).filter(|&code| !self.calls.is_busy(code))
     }
 
-    /// Makes a text the block: a line of the file, or a block that EXEC issued.
-    pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
-        self.block.begin(text);
-        self.variables.store.number = 0;
-    }
-
     /// Notes that a macro starts; returns whether macros matched before.
     pub(crate) fn begin_macro(&mut self, code: u16, task: Task) -> bool {
         self.calls.begin(code, task);
@@ -101,7 +93,7 @@ impl Runtime {
     }
 
     /// Whether comments, messages fire codes: where no pre-processor takes them off.
-    pub(crate) fn remarks_fire(&self) -> [bool; 2] {
-        self.variables.store.preprocessor.taken_off.map(|off| !(off && self.block.preprocessed))
+    pub(crate) fn remarks_fire(&self, preprocessed: bool) -> [bool; 2] {
+        self.variables.store.preprocessor.taken_off.map(|off| !(off && preprocessed))
     }
 }

@@ -40,7 +40,7 @@ impl Kernel<'_> {
             self.channel.block.flags.cycle_dropped = true;
         }
         let rest = if motion > cycle { "; the cycle is not executed" } else { "; the cycle is executed" };
-        let text = format!("{loses} and then {wins} in '{}'{rest}", self.block_text());
+        let text = format!("{loses} and then {wins} in '{}'{rest}", self.channel.block_text());
         self.diagnose(&diag::CYCLE_BESIDE_MOTION, text);
     }
 }

@@ -33,7 +33,7 @@ impl Kernel<'_> {
             (hooks.codes.begin)(self, origin);
         }
         if self.plan.rules.length_moves
-            && (self.channel.block.flags.special || self.channel.has_any(self.plan.registers.length))
+            && (self.channel.block.flags.special || self.channel.block.has_any(self.plan.registers.length))
         {
             self.length_words();
         }
@@ -42,7 +42,7 @@ impl Kernel<'_> {
             (hooks.codes.implied)(self);
         }
         self.check_refused()?;
-        if self.channel.has_any(self.plan.registers.before_codes) {
+        if self.channel.block.has_any(self.plan.registers.before_codes) {
             self.words_before_codes()?;
         }
         self.sort();
@@ -66,10 +66,10 @@ impl Kernel<'_> {
     /// Words that act before the codes of their block.
     #[inline(never)]
     fn words_before_codes(&mut self) -> Acted {
-        if self.channel.has_any(self.plan.registers.offsets) {
+        if self.channel.block.has_any(self.plan.registers.offsets) {
             self.offset_words()?;
         }
-        if self.channel.has_any(self.plan.registers.speed) { self.speed_before_codes() } else { Ok(()) }
+        if self.channel.block.has_any(self.plan.registers.speed) { self.speed_before_codes() } else { Ok(()) }
     }
 
     /// Numbers of offsets that no code of the block takes select their offsets.
@@ -77,7 +77,7 @@ impl Kernel<'_> {
         let takers = &self.plan.rules.number_takers;
         let taken = self.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
         let free = self.plan.registers.offsets & !taken;
-        if self.channel.has_any(free) { (self.plan.actions.offset_words)(self, free) } else { Ok(()) }
+        if self.channel.block.has_any(free) { (self.plan.actions.offset_words)(self, free) } else { Ok(()) }
     }
 
     /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
@@ -146,7 +146,7 @@ impl Kernel<'_> {
                     "{} has no effect: {} of the same group comes later in '{}'",
                     word_text(self.channel.env.machine, word),
                     word_text(self.channel.env.machine, last),
-                    self.block_text()
+                    self.channel.block_text()
                 );
                 self.diagnose(&diag::GROUP_TWICE, text);
             }
@@ -195,7 +195,7 @@ impl Kernel<'_> {
         if self.channel.block.flags.special {
             self.drop_ignored();
         }
-        if self.channel.has_any(self.plan.registers.motion) && !self.group_queued(group::MOTION) {
+        if self.channel.block.has_any(self.plan.registers.motion) && !self.group_queued(group::MOTION) {
             self.imply_motion();
         }
         if self.channel.state.modal.refires.is_empty() {
@@ -244,7 +244,7 @@ impl Kernel<'_> {
     #[cold]
     fn is_left(&self, group: u16) -> bool {
         let moves = group == group::MOTION || group == group::CYCLE;
-        moves && (self.channel.has_any(self.plan.registers.motion) || self.adds_motion())
+        moves && (self.channel.block.has_any(self.plan.registers.motion) || self.adds_motion())
             || self.has_calling_data(group)
     }
 
@@ -364,7 +364,7 @@ impl Kernel<'_> {
             return;
         }
         let documented_without = ident::code_facts(id).is_some_and(|facts| !facts.built_in);
-        let text = self.block_text();
+        let text = self.channel.block_text();
         if documented_without {
             self.diagnose(
                 &diag::CODE_WITHOUT_PROCESSING,

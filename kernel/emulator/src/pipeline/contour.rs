@@ -39,7 +39,7 @@ impl Kernel<'_> {
             None => self.contour_blocks((first, last)),
         };
         let Some((first_block, last_block)) = found else {
-            let text = format!("blocks N{first} to N{last} are not in the program of '{}'", self.block_text());
+            let text = format!("blocks N{first} to N{last} are not in the program of '{}'", self.channel.block_text());
             return Err(self.alarm(&diag::CONTOUR_BLOCKS, text));
         };
         let (first, last) = (first_block, last_block);
@@ -156,7 +156,7 @@ impl Kernel<'_> {
         }
         let text = format!(
             "the shape of the blank of '{}' has a straight move at a feed first, and pieces",
-            self.block_text()
+            self.channel.block_text()
         );
         Err(self.alarm(&diag::CONTOUR_FIRST, text))
     }
@@ -191,7 +191,7 @@ impl Kernel<'_> {
         let (cycle, arcs) = (self.channel.state.cycle, std::mem::take(&mut self.channel.state.arcs));
         let secondary = self.channel.state.secondary;
         let text = (self.channel.at.line, self.channel.text.edited.take(), self.flow.offset);
-        let block = self.macros.block.enter();
+        let block = self.channel.context.enter();
 
         self.channel.state.threads.recorded = None;
         let own = Reading { start: self.channel.flat(&start), plane, ..Reading::default() };
@@ -205,7 +205,7 @@ impl Kernel<'_> {
         self.channel.reports.plausible.long_move = long_move;
         let done = done.map_err(|halt| self.end_compensation(halt));
 
-        self.macros.block = block;
+        self.channel.context = block;
         (self.channel.at.line, self.channel.text.edited, self.flow.offset) = text;
         self.channel.state.secondary = secondary;
         (self.channel.state.cycle, self.channel.state.arcs) = (cycle, arcs);
@@ -246,12 +246,12 @@ impl Kernel<'_> {
             if self.plan.edits.long_comments {
                 self.pass_long_comment(source, here.line, text)?;
             }
-            (self.macros.block.text, self.macros.block.left) = (None, None);
+            (self.channel.context.text, self.channel.context.left) = (None, None);
             let next = self.flow.frame().map(|frame| frame.next_block());
             self.block(text)?;
             self.channel.check_stop()?;
             if self.flow.pending.take().is_some() || self.flow.frame().map(|frame| frame.next_block()) != next {
-                let text = format!("a contour has no call, return, end or jump: '{}'", self.block_text());
+                let text = format!("a contour has no call, return, end or jump: '{}'", self.channel.block_text());
                 return Err(self.alarm(&diag::CONTOUR_CODE, text));
             }
         }

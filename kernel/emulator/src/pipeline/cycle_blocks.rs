@@ -4,6 +4,7 @@
 //! messages name the calling block, and a step executes the whole cycle.
 //! *Invariant:* every block is executed like a block of the program, with the same limits, code macros and times.
 
+use crate::state::text;
 use std::sync::Arc;
 
 use crate::channel::flow::{Called, Pending};
@@ -49,7 +50,7 @@ impl Kernel<'_> {
                 modes = blocks.restores_codes.then(|| self.channel.state.modal.saved());
                 self.cycle_begins(name)?;
             }
-            let span = (0, u32::try_from(self.current_text().len()).unwrap_or(u32::MAX));
+            let span = (0, u32::try_from(text::current_text(&self.channel).len()).unwrap_or(u32::MAX));
             let mut direct = cycle_moves::may_move(self);
             for words in blocks.iter() {
                 self.cycle_block(words, span, &mut direct)?;

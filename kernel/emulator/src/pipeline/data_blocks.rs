@@ -31,8 +31,10 @@ impl Kernel<'_> {
         });
         self.work(passed)?;
         let text = match end {
-            Some(end) => format!("the data of '{}' are not kept: lines {next} to {end} set nothing", self.block_text()),
-            None => format!("no G11 ends the data of '{}'; they are not kept", self.block_text()),
+            Some(end) => {
+                format!("the data of '{}' are not kept: lines {next} to {end} set nothing", self.channel.block_text())
+            }
+            None => format!("no G11 ends the data of '{}'; they are not kept", self.channel.block_text()),
         };
         if let Some(frame) = self.flow.frame()
             && let Some(end) = end

@@ -64,7 +64,7 @@ impl Kernel<'_> {
                 let text = format!(
                     "rule {} of the tape editor needs too many steps on '{}' and is skipped for this block",
                     rule + 1,
-                    self.block_text()
+                    self.channel.block_text()
                 );
                 self.diagnose(&diag::TAPE_RULE, text);
             }
@@ -167,19 +167,6 @@ impl Kernel<'_> {
         {
             let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
             self.trace('E', |_| crate::trace::edited(stage, String::from_utf8_lossy(&left).trim()));
-        }
-    }
-
-    /// Text of the block being processed.
-    pub(crate) fn current_text(&self) -> &[u8] {
-        match &self.channel.text.edited {
-            Some(text) => text,
-            None => {
-                let (sources, at) = (self.channel.env.sources, &self.channel.at);
-                let line = sources.get(at.file).map_or(&[][..], |source| source.line(at.line));
-                let end = self.plan.scanner.block_end(line).unwrap_or(line.len());
-                line.get(..end).unwrap_or_default()
-            }
         }
     }
 }

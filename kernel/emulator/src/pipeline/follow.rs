@@ -66,7 +66,8 @@ impl Kernel<'_> {
         match &self.flow.pending {
             Some(Pending::End(_)) => return,
             Some(Pending::Call { what, .. } | Pending::CallRange { what, .. }) => {
-                let text = format!("{what} is not called: '{}' has another call, return or end", self.block_text());
+                let text =
+                    format!("{what} is not called: '{}' has another call, return or end", self.channel.block_text());
                 self.diagnose(&diag::SECOND_CALL, text);
             }
             _ => {}
@@ -90,7 +91,7 @@ impl Kernel<'_> {
             }
         }
         let Some((file, range)) = found else {
-            let text = format!("{what} not found, called in '{}'; {}", self.block_text(), self.places(&what));
+            let text = format!("{what} not found, called in '{}'; {}", self.channel.block_text(), self.places(&what));
             return self.program_missing(text);
         };
         self.report_heading(file, range);
@@ -116,7 +117,7 @@ impl Kernel<'_> {
             let text = format!(
                 "{} a figure copy is nested in a copy of the same kind in '{}'",
                 figure.copy.alarm(),
-                self.block_text()
+                self.channel.block_text()
             );
             return Err(self.alarm(&diag::FIGURE_NESTED, text));
         }
@@ -144,7 +145,7 @@ impl Kernel<'_> {
             }
         }
         let Some((file, range)) = found else {
-            let text = format!("{what} is not in the file, called in '{}'", self.block_text());
+            let text = format!("{what} is not in the file, called in '{}'", self.channel.block_text());
             return self.program_missing(text);
         };
         let repeats = passes.saturating_sub(1);
@@ -158,8 +159,11 @@ impl Kernel<'_> {
         if self.flow.frames.len() <= limit {
             return Ok(());
         }
-        let text =
-            format!("more than {limit} subprogram levels at the call of {} in '{}'", called(), self.block_text());
+        let text = format!(
+            "more than {limit} subprogram levels at the call of {} in '{}'",
+            called(),
+            self.channel.block_text()
+        );
         Err(self.alarm(&diag::NESTING, text))
     }
 
@@ -179,7 +183,8 @@ impl Kernel<'_> {
         } else {
             return Ok(());
         };
-        let text = format!("more than {limit} levels of {kind} at the call of {what} in '{}'", self.block_text());
+        let text =
+            format!("more than {limit} levels of {kind} at the call of {what} in '{}'", self.channel.block_text());
         Err(self.alarm(facts, text))
     }
 
@@ -291,7 +296,7 @@ impl Kernel<'_> {
             dialect::Search::Around.find(blocks, next, (Spot::line(range.first), last))
         });
         found.ok_or_else(|| {
-            let text = format!("block N{number} not found in the program for '{}'", self.block_text());
+            let text = format!("block N{number} not found in the program for '{}'", self.channel.block_text());
             self.alarm(&diag::JUMP_TARGET, text)
         })
     }

@@ -25,7 +25,7 @@ impl Kernel<'_> {
 
     #[inline(never)]
     fn left_over(&mut self) -> Acted {
-        if self.channel.has_any(self.plan.registers.speed) {
+        if self.channel.block.has_any(self.plan.registers.speed) {
             (self.plan.actions.speed_word)(self)?;
         }
         if self.channel.block.has_leftovers() {
@@ -46,11 +46,12 @@ impl Kernel<'_> {
         if self.channel.block.flags.irregular & irregular::OPEN_COMMENT != 0
             && !self.channel.env.machine.format.long_comments
         {
-            let text = format!("a comment or message is not closed in '{}'", self.block_text());
+            let text = format!("a comment or message is not closed in '{}'", self.channel.block_text());
             self.diagnose(&diag::COMMENT_OPEN, text);
         }
         if self.channel.block.flags.irregular & irregular::DIGITS != 0 {
-            let text = format!("a number has more digits than its register's format in '{}'", self.block_text());
+            let text =
+                format!("a number has more digits than its register's format in '{}'", self.channel.block_text());
             self.diagnose(&diag::TOO_MANY_DIGITS, text);
         }
         if self.channel.block.flags.irregular & irregular::BYTES != 0 {
@@ -69,8 +70,8 @@ impl Kernel<'_> {
     /// A word that a later one of its address replaces.
     #[cold]
     fn word_twice(&mut self, span: (u32, u32), last: (u32, u32)) {
-        let [word, last] = [span, last].map(|span| self.span_text(span));
-        let text = format!("{word} has no effect: {last} comes later in '{}'", self.block_text());
+        let [word, last] = [span, last].map(|span| self.channel.span_text(span));
+        let text = format!("{word} has no effect: {last} comes later in '{}'", self.channel.block_text());
         let counts = self.channel.env.machine.habits.last_of_address;
         self.diagnose(if counts { &diag::WORD_TWICE } else { &diag::DATA_NOT_USED }, text);
     }
@@ -120,8 +121,8 @@ impl Kernel<'_> {
         if known {
             return;
         }
-        let word = self.span_text(span);
-        let block = self.block_text();
+        let word = self.channel.span_text(span);
+        let block = self.channel.block_text();
         if axis && !channel_has(&self.channel, register) {
             self.diagnose(
                 &diag::AXIS_NOT_IN_CHANNEL,
@@ -139,16 +140,10 @@ impl Kernel<'_> {
         }
     }
 
-    pub(crate) fn span_text(&self, (start, end): (u32, u32)) -> String {
-        let line = self.text_bytes();
-        let end = line.len().min(end as usize);
-        String::from_utf8_lossy(line.get(start as usize..end).unwrap_or_default()).trim().to_owned()
-    }
-
     /// Treats a program name: at the start of its block it defines the program; elsewhere it is unknown text.
     pub(crate) fn left_name(&mut self) {
         let Some((start, _)) = self.channel.block.name() else { return };
-        let line = self.text_bytes();
+        let line = self.channel.text_bytes();
         let before = line.get(..start as usize).unwrap_or_default();
         if before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
             self.channel.block.take_name();

@@ -23,7 +23,7 @@ impl Kernel<'_> {
         let id = self.channel.state.place.layout.axes[slot].data;
         let stays = length == self.channel.tool_shift().at(slot);
         let Some(source) = self.plan.sources_of(id).first() else { return };
-        if stays || self.channel.has_any(self.plan.registers_of(id)) || !self.moves_straight() {
+        if stays || self.channel.block.has_any(self.plan.registers_of(id)) || !self.moves_straight() {
             return;
         }
         let place = self.channel.block.words.len();
@@ -63,7 +63,7 @@ impl Kernel<'_> {
     fn number_is_free(&self) -> bool {
         let takers = &self.plan.rules.number_takers;
         let taken = self.channel.block.pending.iter().fold(0, |bits, pending| bits | takers[pending.row]);
-        self.channel.has_any(self.plan.registers.length & !taken)
+        self.channel.block.has_any(self.plan.registers.length & !taken)
     }
 
     /// Whether the block has a straight move: no arc, no cycle, no code that has the axis words for itself.

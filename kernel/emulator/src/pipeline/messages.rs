@@ -5,7 +5,7 @@ use crate::channel::Kernel;
 impl Kernel<'_> {
     #[cold]
     pub(crate) fn show_messages_of_block(&mut self) {
-        let text = self.text_bytes().into_owned();
+        let text = self.channel.text_bytes().into_owned();
         self.show_messages(&text);
     }
 

@@ -42,7 +42,7 @@ impl Kernel<'_> {
         if edited == Edited::Dropped {
             return Ok(());
         }
-        let (own, preprocess) = (self.macros.block.text.clone(), edited == Edited::Preprocess);
+        let (own, preprocess) = (self.channel.context.text.clone(), edited == Edited::Preprocess);
         let text = own.as_deref().map_or(text, String::as_bytes);
         match self.split(text, preprocess) {
             Split::Words => {

@@ -28,10 +28,10 @@ impl Kernel<'_> {
                 }
                 CodeForm::NotApplicable => kernel.channel.env.machine.code_name(row.id).to_lowercase(),
             };
-            let word = kernel.span_text((word.start, word.end));
+            let word = kernel.channel.span_text((word.start, word.end));
             let text = format!(
                 "{code} does not take {word} in '{}'; the word is ignored and moves nothing",
-                kernel.block_text()
+                kernel.channel.block_text()
             );
             kernel.diagnose(&diag::AXIS_WORD_OWNED, text);
         });
@@ -42,7 +42,7 @@ impl Kernel<'_> {
     pub(super) fn take_axis_words(&mut self, mut taken: impl FnMut(&mut Self, Word)) {
         let axes = self.channel.state.place.layout.axes.iter();
         let registers = axes.fold(0, |bits, axis| bits | self.plan.registers_of(axis.data));
-        if !self.channel.has_any(registers) {
+        if !self.channel.block.has_any(registers) {
             return;
         }
         for position in 0..self.channel.block.words.len() {

@@ -58,13 +58,13 @@ impl Kernel<'_> {
         let function = format!("M{}", written(function, &machine.registers[register].format));
         let speeds = self.plan.registers.speed;
         let word = self.channel.block.words.iter().find(|word| !word.used && speeds & word.register.bit() != 0);
-        let word =
-            word.map_or_else(|| "the speed".to_owned(), |word| self.span_text((word.start, word.end)).to_owned());
+        let word = word
+            .map_or_else(|| "the speed".to_owned(), |word| self.channel.span_text((word.start, word.end)).to_owned());
         let text = format!(
             "{word} beside {function} in '{}': {function} has no effect on {} and may turn another spindle, so \
              no spindle takes the speed; make {function} a spindle code of the machine, or give its row \
              `turns_no_spindle = true`",
-            self.block_text(),
+            self.channel.block_text(),
             self.machine_text()
         );
         Err(self.alarm(&diag::SPEED_OF_FUNCTION, text))

@@ -31,7 +31,7 @@ impl Kernel<'_> {
 
     /// Splits the text of the block again, as macros have changed it; the pre-processor has had its turn.
     pub(crate) fn split_again(&mut self) {
-        let Some(text) = self.macros.block.text.clone() else { return };
+        let Some(text) = self.channel.context.text.clone() else { return };
         self.split(text.as_bytes(), false);
     }
 }

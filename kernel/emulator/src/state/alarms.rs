@@ -34,24 +34,9 @@ pub(crate) const NOT_DONE: &str = "no part of the block acts";
 pub(crate) const STRAIGHT: &str = "a straight move is made instead";
 
 impl Channel<'_> {
-    /// Whether the channel stops at a diagnostic.
-    pub(crate) fn stops_at(&self, facts: &Facts) -> bool {
-        self.env.machine.stops_at(facts)
-    }
-
-    /// Whether a diagnostic is an alarm of real controls, or of the control of this machine.
-    pub(crate) fn is_alarm(&self, facts: &Facts) -> bool {
-        self.env.machine.is_alarm(facts)
-    }
-
-    /// Whether the machine continues from this alarm.
-    pub(crate) fn goes_on_at(&self, facts: &Facts) -> bool {
-        !self.stops_at(facts)
-    }
-
     /// Treatment of a block with this report: the replacement, unless the channel stops.
     pub(crate) fn becomes(&self, facts: &Facts, instead: &'static str) -> &'static str {
-        if self.goes_on_at(facts) { instead } else { NOT_DONE }
+        if self.env.machine.stops_at(facts) { NOT_DONE } else { instead }
     }
 
     /// A diagnostic of this block has stopped the channel.

@@ -12,9 +12,11 @@ use crate::state::plausible::Plausible;
 use crate::state::swallowed::Swallowed;
 use counterpoint_ports::Shares;
 use counterpoint_program::block::Block;
+use counterpoint_program::scan::Scanner;
 
 use super::at::At;
 use super::burden::Burden;
+use super::context::BlockContext;
 use super::emitter::Emitter;
 use super::waits::KnownWaits;
 use counterpoint_event::Letters;
@@ -40,6 +42,10 @@ pub struct Channel<'a> {
     /// The block being processed.
     pub(crate) block: Block,
     pub(crate) text: BlockText,
+    /// The block as macros have changed it.
+    pub(crate) context: BlockContext,
+    /// Reads the lines of the machine.
+    pub(crate) scanner: &'a Scanner,
     pub(crate) acting: Acting,
     pub(crate) state: State,
     pub(crate) reports: Reports,
@@ -219,12 +225,5 @@ impl Environment<'_> {
     /// The shares of the memory of the job.
     pub(crate) fn shares(&self) -> Shares {
         Shares::of_channels(&self.options.limits, self.machine.channels.len())
-    }
-}
-
-impl Channel<'_> {
-    /// Whether a free data word of one of these registers is in the block.
-    pub(crate) fn has_any(&self, registers: u128) -> bool {
-        self.block.present & registers != 0
     }
 }

@@ -2,7 +2,6 @@
 //!
 //! *Invariant:* the flowing coolant is the active code of its modal group.
 
-use super::channel::Channel;
 use counterpoint_event::event::Outlet;
 use counterpoint_machine::ident::CodeId;
 use counterpoint_machine::ident::kind::CodeKind;
@@ -38,6 +37,13 @@ impl CoolantState {
         if self.limit > 0.0 { self.limit } else { pump.max_pressure }
     }
 
+    /// Records the flowing coolant, which a later `on` switches on.
+    pub(crate) fn note(&mut self, fluid: u8, outlet: Outlet) {
+        if let Some(last) = self.last.get_mut(head(outlet)).filter(|_| fluid != 0) {
+            *last = fluid;
+        }
+    }
+
     /// The meaning of the active code of a head: 0 off, 1 to 9.
     pub(crate) fn fluid(&self, code: Option<CodeId>) -> u8 {
         match code.map(CodeId::kind) {
@@ -54,13 +60,4 @@ impl CoolantState {
 pub(crate) fn code_of(fluid: u8, outlet: Outlet) -> Option<CodeId> {
     let flow = if fluid == 0 { Flow::Off } else { Flow::Fluid(fluid) };
     CodeId::of_kind(CodeKind::Coolant(Switch::Fluid(flow, outlet)))
-}
-
-impl Channel<'_> {
-    /// Records the flowing coolant, which a later `on` switches on.
-    pub(crate) fn note_coolant(&mut self, fluid: u8, outlet: Outlet) {
-        if let Some(last) = self.state.others.coolant.last.get_mut(head(outlet)).filter(|_| fluid != 0) {
-            *last = fluid;
-        }
-    }
 }

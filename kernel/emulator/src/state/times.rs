@@ -3,7 +3,8 @@
 //! Facts: reference system-variables.md 13, 14: columns 1 to 3 seconds of feed, positioning and everything else, 4 and
 //! 5 smallest and largest feed per minute (10000 and −1 before any), 6 and 7 smallest and largest rev/min (0 before
 //! any), taken at the ends of motions. *Invariants:* row 1 is neither a tool nor an operation; every second belongs to
-//! one row, waiting to the third column; nothing is recorded on a machine without macros, except waiting. Decision: the feed per minute of a motion is its length by its time.
+//! one row, waiting to the third column; nothing is recorded on a machine without macros, except waiting. Decision: the
+//! feed per minute of a motion is its length by its time.
 
 use counterpoint_event::event::Direction;
 use counterpoint_sync::shared::Command;

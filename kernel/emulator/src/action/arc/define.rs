@@ -76,7 +76,8 @@ pub(crate) fn define_center(act: &mut Act<'_, '_>) -> Acted {
 
 fn not_here(act: &mut Act<'_, '_>, id: DataId) -> Option<f64> {
     if act.take(id).is_some() {
-        let text = format!("channel {} has no axis for a word of '{}'", act.channel().at.channel, act.block_text());
+        let text =
+            format!("channel {} has no axis for a word of '{}'", act.channel().at.channel, act.channel().block_text());
         act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
     }
     None

@@ -106,7 +106,7 @@ fn along(act: &mut Act<'_, '_>, form: Form, code: &PendingCode, screw: Option<Sc
         let text = format!(
             "no plane with both axes in channel {} is active for '{}'",
             act.channel().at.channel,
-            act.block_text()
+            act.channel().block_text()
         );
         act.diagnose(&diag::ARC_PLANE, text);
         return Ok(());
@@ -120,7 +120,7 @@ fn along(act: &mut Act<'_, '_>, form: Form, code: &PendingCode, screw: Option<Sc
     }
     let Some(clockwise) = define::direction(act, form) else {
         let done = act.channel().becomes(&diag::ARC_DIRECTION, STRAIGHT);
-        let text = format!("the circle of '{}' has no direction, {done}", act.block_text());
+        let text = format!("the circle of '{}' has no direction, {done}", act.channel().block_text());
         act.diagnose(&diag::ARC_DIRECTION, text);
         return act.feed_to_point(coded, target, feed, unit);
     };
@@ -130,13 +130,18 @@ fn along(act: &mut Act<'_, '_>, form: Form, code: &PendingCode, screw: Option<Sc
         act.report_switched_off(&forms);
     }
     if incomplete && act.channel().env.machine.arcs.straight {
-        let text =
-            format!("the circle has neither a centre nor a radius in '{}', it is a straight line", act.block_text());
+        let text = format!(
+            "the circle has neither a centre nor a radius in '{}', it is a straight line",
+            act.channel().block_text()
+        );
         act.diagnose(&diag::ARC_STRAIGHT, text);
         return act.feed_to_point(coded, target, feed, unit);
     }
-    if incomplete && !act.channel().goes_on_at(&diag::ARC_INCOMPLETE) {
-        let text = format!("the circle has neither a centre nor a radius in '{}', nothing is moved", act.block_text());
+    if incomplete && act.channel().env.machine.stops_at(&diag::ARC_INCOMPLETE) {
+        let text = format!(
+            "the circle has neither a centre nor a radius in '{}', nothing is moved",
+            act.channel().block_text()
+        );
         return Err(act.alarm(&diag::ARC_INCOMPLETE, text));
     }
     cut(act, &words, (form, clockwise), (plane, &flat), (coded, target), (feed, unit, screw))
@@ -252,7 +257,7 @@ pub(super) fn not_made(act: &mut Act<'_, '_>, error: geometry::Error) {
         return;
     }
     let done = act.channel().becomes(&diag::ARC_RADIUS, STRAIGHT);
-    let text = format!("the circle cannot be made: {error} in '{}', {done}", act.block_text());
+    let text = format!("the circle cannot be made: {error} in '{}', {done}", act.channel().block_text());
     act.diagnose(&diag::ARC_RADIUS, text);
 }
 
@@ -268,7 +273,7 @@ fn rises(act: &Act<'_, '_>, flat: &Flat, from: &Position, to: &Position) -> bool
 
 fn check_end(act: &mut Act<'_, '_>, off: f64) {
     if off > act.channel().env.machine.arcs.tolerance {
-        let text = format!("the end is {off:.4} off the circle in '{}'", act.block_text());
+        let text = format!("the end is {off:.4} off the circle in '{}'", act.channel().block_text());
         act.diagnose(&diag::ARC_END_OFF, text);
     }
 }
@@ -284,7 +289,7 @@ fn take_turns(act: &mut Act<'_, '_>, rises: bool) -> u16 {
     if (0.0..=geometry::MOST_TURNS).contains(&turns) {
         return turns as u16;
     }
-    let text = format!("a circle has 0 to 999 further turns, not {turns} as in '{}'", act.block_text());
+    let text = format!("a circle has 0 to 999 further turns, not {turns} as in '{}'", act.channel().block_text());
     act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     0
 }
@@ -298,7 +303,7 @@ fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises:
         Helix::Off => false,
     };
     if rises && !allowed {
-        let text = format!("this control has no helix for '{}'", act.block_text());
+        let text = format!("this control has no helix for '{}'", act.channel().block_text());
         act.diagnose(&diag::ARC_HELIX, text);
     }
 }
@@ -307,7 +312,7 @@ fn check_machine(act: &mut Act<'_, '_>, form: Form, made: &geometry::Arc, rises:
 fn check_radius(act: &mut Act<'_, '_>, radius: f64) {
     let most = act.channel().env.machine.arcs.max_radius;
     if radius > most {
-        let text = format!("the radius {radius:.3} is above the maximum {most} in '{}'", act.block_text());
+        let text = format!("the radius {radius:.3} is above the maximum {most} in '{}'", act.channel().block_text());
         act.diagnose(&diag::ARC_RADIUS, text);
     }
 }

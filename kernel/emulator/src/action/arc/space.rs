@@ -27,14 +27,17 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     if said == 0 {
-        let text = format!("an arc in space needs a point on its way in '{}', it is straight", act.block_text());
+        let text =
+            format!("an arc in space needs a point on its way in '{}', it is straight", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
         return act.feed_to(coded, target, feed, unit);
     }
     if act.channel().state.place.polar().is_some() {
         let done = act.channel().becomes(&diag::ARC_PLANE, STRAIGHT);
-        let text =
-            format!("an arc in space is not possible under polar interpolation in '{}', {done}", act.block_text());
+        let text = format!(
+            "an arc in space is not possible under polar interpolation in '{}', {done}",
+            act.channel().block_text()
+        );
         act.diagnose(&diag::ARC_PLANE, text);
         return act.feed_to(coded, target, feed, unit);
     }
@@ -49,7 +52,7 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
         Ok(circle) => circle,
         Err(error) => {
             let done = act.channel().becomes(&diag::ARC_RADIUS, STRAIGHT);
-            let text = format!("the arc cannot be made: {error} in '{}', {done}", act.block_text());
+            let text = format!("the arc cannot be made: {error} in '{}', {done}", act.channel().block_text());
             act.diagnose(&diag::ARC_RADIUS, text);
             return act.feed_to(coded, target, feed, unit);
         }
@@ -90,7 +93,11 @@ fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
         let Some(datum) = act.take(id) else { continue };
         let Some(axis) = act.channel().state.place.layout.cartesian.get(role).copied().flatten() else {
-            let text = format!("channel {} has no axis for a word of '{}'", act.channel().at.channel, act.block_text());
+            let text = format!(
+                "channel {} has no axis for a word of '{}'",
+                act.channel().at.channel,
+                act.channel().block_text()
+            );
             act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
             continue;
         };

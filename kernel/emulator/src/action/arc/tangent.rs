@@ -23,7 +23,7 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
         return Ok(());
     }
     let Some((plane, flat)) = active_plane(act) else {
-        let text = format!("no plane with both axes is active for '{}'", act.block_text());
+        let text = format!("no plane with both axes is active for '{}'", act.channel().block_text());
         act.diagnose(&diag::ARC_PLANE, text);
         return Ok(());
     };
@@ -37,7 +37,7 @@ pub(super) fn tangent(act: &mut Act<'_, '_>) -> Acted {
             let why =
                 if leads.is_some() { "its end lies straight behind" } else { "no move of the plane is before it" };
             let done = act.channel().becomes(&diag::TANGENT_IMPOSSIBLE, STRAIGHT);
-            let text = format!("the circle of '{}' is not possible: {why}, {done}", act.block_text());
+            let text = format!("the circle of '{}' is not possible: {why}, {done}", act.channel().block_text());
             act.diagnose(&diag::TANGENT_IMPOSSIBLE, text);
             return act.feed_to_point(coded, target, feed, unit);
         }

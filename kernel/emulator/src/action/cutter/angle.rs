@@ -46,7 +46,7 @@ impl Act<'_, '_> {
             (Some(_), _) => {
                 let text = format!(
                     "the line before '{}' has no end: this block needs an angle and both coordinates of its end",
-                    self.block_text()
+                    self.channel().block_text()
                 );
                 self.diagnose(&diag::LINE_WITHOUT_END, text);
                 self.forget_corners();
@@ -101,7 +101,7 @@ impl Act<'_, '_> {
     /// Moves the pole of polar coordinates from a point, by the words of the block.
     pub(in crate::action) fn set_pole(&mut self, from: Position) {
         let Some((_, axes)) = compensated_plane(self) else {
-            let text = format!("no plane with both axes is active for the pole of '{}'", self.block_text());
+            let text = format!("no plane with both axes is active for the pole of '{}'", self.channel().block_text());
             self.diagnose(&diag::CORNER_REFUSED, text);
             return;
         };
@@ -120,7 +120,7 @@ impl Act<'_, '_> {
     }
 
     fn not_computed(&mut self, why: &str) {
-        let text = format!("the line of '{}' is not computed: {why}", self.block_text());
+        let text = format!("the line of '{}' is not computed: {why}", self.channel().block_text());
         self.diagnose(&diag::LINE_NOT_COMPUTED, text);
     }
 

@@ -86,7 +86,7 @@ fn too_many(act: &mut Act<'_, '_>, most: u32) {
     let text = format!(
         "more than {most} blocks between the move of line {line} and the next one in the plane of the compensation, \
          before '{}'",
-        act.block_text()
+        act.channel().block_text()
     );
     act.diagnose(&diag::EMPTY_BLOCKS, text);
 }
@@ -115,7 +115,7 @@ impl Act<'_, '_> {
         let text = format!(
             "the tool has cut into the inside corner before '{}': the move of line {ended} ended at right angles to its \
              end, because the control did not read ahead to this block",
-            self.block_text()
+            self.channel().block_text()
         );
         self.diagnose(&diag::CORNER_OVERCUT, text);
     }

@@ -23,7 +23,8 @@ pub(super) fn take_part(act: &mut Act<'_, '_>) -> bool {
         return true;
     }
     let Some((_, axes)) = compensated_plane(act) else {
-        let text = format!("no plane with both axes is active for the corner or angle of '{}'", act.block_text());
+        let text =
+            format!("no plane with both axes is active for the corner or angle of '{}'", act.channel().block_text());
         act.diagnose(&diag::CORNER_REFUSED, text);
         return false;
     };
@@ -175,7 +176,7 @@ impl Act<'_, '_> {
         (after, second): (&Step, &mut Element),
     ) -> Option<Element> {
         let rules = self.channel().env.machine.corners;
-        let block = self.block_text();
+        let block = self.channel().block_text();
         if matches!(after.shape, Shape::Rapid) && !rules.rapid {
             if !corner.modal {
                 let text = format!("the corner before '{block}' needs a move at feed after it");
@@ -218,7 +219,7 @@ impl Act<'_, '_> {
         (after, second): (&Step, &Element),
     ) -> Option<()> {
         let axes = self.channel_mut().state.place.cutter().map(|cutter| cutter.axes)?;
-        let block = self.block_text();
+        let block = self.channel().block_text();
         let round = |step: &Step| matches!(step.shape, Shape::Circle { .. });
         if round(before) || round(after) {
             let text = format!("the corner before '{block}' is between straight moves only");
@@ -267,7 +268,7 @@ impl Act<'_, '_> {
         self.next_element(Some(&next))?;
         let corner = self.corner_of(&step);
         if corner.is_some_and(|corner| !corner.modal) {
-            let text = format!("the corner of '{}' has no line left before it", self.block_text());
+            let text = format!("the corner of '{}' has no line left before it", self.channel().block_text());
             self.diagnose(&diag::CORNER_TOO_LONG, text);
         }
         let ended = self.channel().at.line;
@@ -281,7 +282,7 @@ impl Act<'_, '_> {
 
     /// The part that is missing after a move without a next one: a move after its corner, or its own end.
     pub(super) fn missing(&self, waits: &Waiting) -> Option<(&'static Facts, String)> {
-        let block = self.block_text();
+        let block = self.channel().block_text();
         if waits.open.is_some() {
             let text = format!("the line of '{block}' has no end: no line with an end and an angle follows");
             return Some((&diag::LINE_WITHOUT_END, text));
@@ -297,7 +298,8 @@ impl Act<'_, '_> {
             return;
         };
         if !asked.is_empty() {
-            let text = format!("'{}' switches compensation {what} and has a corner or an angle", self.block_text());
+            let text =
+                format!("'{}' switches compensation {what} and has a corner or an angle", self.channel().block_text());
             self.diagnose(&diag::CORNER_AT_COMPENSATION, text);
         }
     }

@@ -82,14 +82,15 @@ pub(super) fn switched(act: &mut Act<'_, '_>, code: CodeId) -> Acted {
         return Ok(());
     }
     let Some((plane_code, axes)) = compensated_plane(act) else {
-        let text = format!("no plane with both axes is active for the compensation of '{}'", act.block_text());
+        let text =
+            format!("no plane with both axes is active for the compensation of '{}'", act.channel().block_text());
         act.diagnose(&diag::CUTTER_PLANE, text);
         return Ok(());
     };
     if around::frame_tilts(act, plane_code) {
         let text = format!(
             "'{}' compensates in the plane of a tilted frame (CUT2DF), which is not emulated; tilt by CYCLE800, or program CUT2D",
-            act.block_text()
+            act.channel().block_text()
         );
         act.diagnose(&diag::SIEMENS_STATE, text);
         return act.channel().check_stop();
@@ -160,7 +161,7 @@ fn contour_allowance(act: &mut Act<'_, '_>) -> f64 {
 
 /// Says that compensation changes nothing: the control would continue the contour as well, the part would be wrong.
 fn no_radius(act: &mut Act<'_, '_>, number: u32) {
-    let block = act.block_text();
+    let block = act.channel().block_text();
     if act.channel().env.machine.compensation.needs_tool && act.channel().state.place.tools.current == 0 {
         let text = format!("the compensation of '{block}' needs a tool; no tool is loaded");
         return act.diagnose(&diag::COMPENSATION_TOOL, text);
@@ -196,7 +197,10 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
     let text = match made {
         Some((axes, tip)) => {
             (cutter.axes, cutter.tip) = (axes, tip.map(|part| part * cutter.radius));
-            format!("'{}' changes the plane while compensation is active; compensation starts again", act.block_text())
+            format!(
+                "'{}' changes the plane while compensation is active; compensation starts again",
+                act.channel().block_text()
+            )
         }
         // Switched off already: the next move goes straight to its point.
         None if cutter.stage.is_ending() => {
@@ -205,7 +209,7 @@ pub(super) fn plane_changed(act: &mut Act<'_, '_>) {
         }
         None => {
             act.channel_mut().state.place.forget_cutter();
-            format!("no plane with both axes is left for compensation in '{}', it ends", act.block_text())
+            format!("no plane with both axes is left for compensation in '{}', it ends", act.channel().block_text())
         }
     };
     act.diagnose(&diag::CUTTER_PLANE, text);
@@ -307,7 +311,7 @@ impl Act<'_, '_> {
             }
             Stage::Start if first => {
                 self.report_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs));
-                if self.channel().is_alarm(&diag::CORNER_AT_COMPENSATION) {
+                if self.channel().env.machine.is_alarm(&diag::CORNER_AT_COMPENSATION) {
                     self.corner_at_switch("on");
                 }
             }
@@ -340,7 +344,7 @@ impl Act<'_, '_> {
             (_, true, _) => (&diag::COMP_OFF_ARC, "a circle"),
             _ => return,
         };
-        let text = format!("cutter compensation is switched {what} by {kind} in '{}'", self.block_text());
+        let text = format!("cutter compensation is switched {what} by {kind} in '{}'", self.channel().block_text());
         self.diagnose(facts, text);
     }
 
@@ -352,7 +356,10 @@ impl Act<'_, '_> {
                 Some(Element { from: start, to: end, arc: Some(made) })
             }
             Shape::Circle { .. } => {
-                let text = format!("the circle of '{}' is in another plane than its compensation", self.block_text());
+                let text = format!(
+                    "the circle of '{}' is in another plane than its compensation",
+                    self.channel().block_text()
+                );
                 self.diagnose(&diag::CUTTER_PLANE, text);
                 (distance(start, end) > NOISE).then_some(Element { from: start, to: end, arc: None })
             }

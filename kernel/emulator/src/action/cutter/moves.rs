@@ -281,7 +281,7 @@ impl Act<'_, '_> {
             let text = format!(
                 "the tool of radius {} does not fit into the contour at the end of '{}'",
                 counterpoint_lang::format::wildcard_text(cutter.radius),
-                self.block_text()
+                self.channel().block_text()
             );
             self.diagnose(&diag::CUTTER_INTERFERENCE, text);
         }

@@ -140,7 +140,7 @@ struct Touch {
 impl Act<'_, '_> {
     /// Says why a path is not possible.
     pub(super) fn refuse_way(&mut self, why: &str, alarm: u32) -> Acted {
-        let text = format!("'{}': {why} (alarm {alarm})", self.block_text());
+        let text = format!("'{}': {why} (alarm {alarm})", self.channel().block_text());
         self.diagnose(&diag::CONTOUR_APPROACH, text);
         self.channel().check_stop()
     }

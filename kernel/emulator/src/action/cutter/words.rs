@@ -16,7 +16,7 @@ use crate::state::corner::{Asked, Corner, Side};
 pub(in crate::action) fn has_words(act: &Act<'_, '_>, code: CodeId) -> bool {
     let registers = act.contour_registers();
     let straight = matches!(code, codes::INTERP_LINEAR | codes::RAPID);
-    act.channel().has_any(if straight { registers.line } else { registers.arc })
+    act.channel().block.has_any(if straight { registers.line } else { registers.arc })
 }
 
 /// Executes a move with the corner words of its block.
@@ -58,12 +58,12 @@ fn only_ignored(act: &Act<'_, '_>, code: CodeId) -> bool {
     let registers = if matches!(code, codes::INTERP_LINEAR | codes::RAPID) { registers.line } else { registers.arc };
     let rows = act.channel().block.pending.iter().map(|pending| &act.channel().env.machine.codes[pending.row]);
     let ignored = rows.flat_map(|row| &row.ignores).fold(0_u128, |bits, register| bits | register.bit());
-    !act.channel().has_any(registers & !ignored)
+    !act.channel().block.has_any(registers & !ignored)
 }
 
 /// A word that cannot act.
 fn refused(act: &mut Act<'_, '_>, why: &str) {
-    let text = format!("a corner or angle word cannot act in '{}': {why}", act.block_text());
+    let text = format!("a corner or angle word cannot act in '{}': {why}", act.channel().block_text());
     act.diagnose(&diag::CORNER_REFUSED, text);
 }
 
@@ -107,7 +107,7 @@ fn take(act: &mut Act<'_, '_>, code: CodeId) -> Asked {
         asked.angle = take_beside_axes(act, data::LINE_ANGLE);
     }
     if found.len() > 1 {
-        let text = format!("'{}' has more than one corner", act.block_text());
+        let text = format!("'{}' has more than one corner", act.channel().block_text());
         act.diagnose(&diag::CORNER_TWICE, text);
     }
     match found.first() {

@@ -40,7 +40,11 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
     }
     let positioned = has_position(act);
     let Some((role, axis)) = axis_of(act, row) else {
-        let text = format!("channel {} has no axis for the depth of '{}'", act.channel().at.channel, act.block_text());
+        let text = format!(
+            "channel {} has no axis for the depth of '{}'",
+            act.channel().at.channel,
+            act.channel().block_text()
+        );
         act.diagnose(&diag::CYCLE_AXIS, text);
         return Ok(());
     };
@@ -74,7 +78,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Ac
     let (Some(kind), Some((_, axis))) =
         (HoleCycle::numbered(act.channel().state.cycle.number), act.channel().state.cycle.axis)
     else {
-        let text = format!("no cycle has been defined for '{}'", act.block_text());
+        let text = format!("no cycle has been defined for '{}'", act.channel().block_text());
         act.diagnose(&diag::NO_CYCLE, text);
         return Ok(());
     };
@@ -138,8 +142,10 @@ pub(super) fn meets_motion(act: &mut Act<'_, '_>) -> Acted {
 }
 
 fn not_cancelled(act: &mut Act<'_, '_>) {
-    let text =
-        format!("the cycle is still active in '{}'; this control requires its cancellation first", act.block_text());
+    let text = format!(
+        "the cycle is still active in '{}'; this control requires its cancellation first",
+        act.channel().block_text()
+    );
     act.diagnose(&diag::CYCLE_NOT_CANCELLED, text);
 }
 
@@ -175,7 +181,7 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
     act.check_feed(act.channel().state.cycle.rates.feed.0)?;
     let marked = kind.is_rigid() && act.channel().state.cycle.rigid == 2.0;
     if marked && act.channel().state.spindle.id.is_some() && act.spindle_speed()?.is_none() {
-        let text = format!("the speed of a rigid tap is zero or not programmed in '{}'", act.block_text());
+        let text = format!("the speed of a rigid tap is zero or not programmed in '{}'", act.channel().block_text());
         return Err(act.alarm(&diag::TAP_SPEED, text));
     }
     let Some(mut hole) = heights(act, kind, words) else { return Ok(()) };
@@ -209,18 +215,22 @@ fn heights(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Opti
         && !distance
         && act.channel().env.machine.cycles.clearance_required
     {
-        let text = format!("a cycle needs its clearance height, '{}' starts at the current position", act.block_text());
+        let text = format!(
+            "a cycle needs its clearance height, '{}' starts at the current position",
+            act.channel().block_text()
+        );
         act.diagnose(&diag::DATA_MISSING, text);
     }
     if kind.bores_back() && bottom.is_none() {
-        let text = format!("back boring needs its lower clearance in '{}', nothing is bored", act.block_text());
+        let text =
+            format!("back boring needs its lower clearance in '{}', nothing is bored", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
     let clear = state.heights.clear.map_or(base, |height| height.from(base));
     let start = if kind.bores_back() { bottom.unwrap_or(clear) } else { clear };
     let depth = state.heights.depth.map(|height| height.from(start));
     if depth.is_none() {
-        let text = format!("a cycle needs its depth in '{}', nothing is drilled", act.block_text());
+        let text = format!("a cycle needs its depth in '{}', nothing is drilled", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
     let stays = act.channel().state.modal.code(group::RETRACT) == Some(codes::CYCLE_RETRACT_R) && !kind.bores_back();

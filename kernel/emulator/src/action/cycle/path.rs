@@ -93,7 +93,8 @@ impl Act<'_, '_> {
         let step = drill.cycle.pecks.first.filter(|step| *step > 0.0 && step.is_finite());
         let Some(step) = step.filter(|_| steps != Steps::None) else {
             if steps != Steps::None && self.channel().env.machine.cycles.step_required {
-                let text = format!("a cycle needs its step in '{}', it is drilled in one step", self.block_text());
+                let text =
+                    format!("a cycle needs its step in '{}', it is drilled in one step", self.channel().block_text());
                 self.diagnose(&diag::DATA_MISSING, text);
             }
             return self.plunge(drill, depth, 1.0);
@@ -136,7 +137,7 @@ impl Act<'_, '_> {
         }
         let text = format!(
             "the cycle of '{}' has more than {MOST_STEPS} steps, the rest is drilled in one step",
-            self.block_text()
+            self.channel().block_text()
         );
         self.diagnose(&diag::CYCLE_STEPS, text);
         self.plunge(drill, depth, 1.0)

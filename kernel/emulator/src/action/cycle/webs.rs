@@ -26,7 +26,7 @@ pub(super) fn of_hole(act: &mut Act<'_, '_>, state: &Cycle, base: f64) -> [Optio
             [Some(start), Some(depth)] => Some([start, depth]),
             [None, None] => None,
             _ => {
-                let block = act.block_text();
+                let block = act.channel().block_text();
                 let text = format!("web {number} needs its start and its depth in '{block}', it is skipped");
                 act.diagnose(&diag::DATA_MISSING, text);
                 None

@@ -244,7 +244,7 @@ fn tap_type(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
             let text = format!(
                 "{} is not a valid tap type in '{}': 0 floating, 1 rigid, 2 peck, 3 chip breaking",
                 datum.value,
-                act.block_text()
+                act.channel().block_text()
             );
             act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
         } else {
@@ -298,7 +298,7 @@ fn times(act: &mut Act<'_, '_>) -> u32 {
     let text = format!(
         "{} is not a whole number of repeats in '{}'; the decimals are ignored, so the block makes {holes}",
         datum.value,
-        act.block_text()
+        act.channel().block_text()
     );
     act.diagnose(&diag::REPEATS_NOT_WHOLE, text);
     times

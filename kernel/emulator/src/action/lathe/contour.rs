@@ -82,7 +82,7 @@ fn first(act: &mut Act<'_, '_>, id: CodeId) -> Acted {
         return Ok(());
     }
     if !matches!(id, codes::RAPID | codes::INTERP_LINEAR) {
-        let text = format!("the first block of a contour is a straight move, not '{}'", act.block_text());
+        let text = format!("the first block of a contour is a straight move, not '{}'", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_FIRST, text));
     }
     act.feed();
@@ -159,7 +159,8 @@ fn keeps_plane(act: &Act<'_, '_>, id: CodeId) -> bool {
 }
 
 fn refuse(act: &mut Act<'_, '_>) -> Acted {
-    let text = format!("a contour has G0 to G4, feed, speed, tool and M codes only, not '{}'", act.block_text());
+    let text =
+        format!("a contour has G0 to G4, feed, speed, tool and M codes only, not '{}'", act.channel().block_text());
     Err(act.alarm(&diag::CONTOUR_CODE, text))
 }
 

@@ -27,7 +27,7 @@ const WHOLE: f64 = 1e12;
 pub(super) fn cycle(act: &mut Act<'_, '_>, plane: &LathePlane, kind: Lap) -> Acted {
     let stays = std::mem::take(&mut act.channel_mut().state.others.turning.stays);
     let Some(shape) = act.channel_mut().state.others.turning.shape.take() else {
-        let text = format!("the cycle needs the name of its contour in '{}'", act.block_text());
+        let text = format!("the cycle needs the name of its contour in '{}'", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_RANGE, text));
     };
     let value = |act: &mut Act<'_, '_>, id| act.take(id).map(|datum| datum.value);
@@ -60,7 +60,11 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, plane: &LathePlane, kind: Lap) -> Act
     let depth = if finishes { WHOLE } else { depth };
     let depths = changes.iter().flatten().filter_map(|change: &Change| change.depth);
     if let Some(wrong) = std::iter::once(depth).chain(depths).find(|depth| !(*depth > 0.0 && depth.is_finite())) {
-        let text = format!("the depth of a level is {} in '{}', it must be above 0", wrong / across, act.block_text());
+        let text = format!(
+            "the depth of a level is {} in '{}', it must be above 0",
+            wrong / across,
+            act.channel().block_text()
+        );
         return Err(act.alarm(&diag::CONTOUR_DEPTH, text));
     }
     let lap = Told { copies: kind != Lap::Bar, changes, stays };

@@ -63,8 +63,11 @@ fn finish(act: &mut Act<'_, '_>) -> Acted {
 
 fn cycle(act: &mut Act<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted {
     let Some(plane) = act.channel().lathe_plane() else {
-        let text =
-            format!("channel {} has no X and Z for the cycle of '{}'", act.channel().at.channel, act.block_text());
+        let text = format!(
+            "channel {} has no X and Z for the cycle of '{}'",
+            act.channel().at.channel,
+            act.channel().block_text()
+        );
         act.diagnose(&diag::CYCLE_AXIS, text);
         return Ok(());
     };
@@ -81,8 +84,10 @@ fn cycle(act: &mut Act<'_, '_>, kind: TurningCycle, code: &PendingCode) -> Acted
 /// The numbers of the contour blocks; both are needed.
 fn contour_blocks(act: &mut Act<'_, '_>, first: Option<u32>, last: Option<u32>) -> Result<ContourBlocks, diag::Halt> {
     first.zip(last).map(|(first, last)| ContourBlocks::Numbers(first, last)).ok_or_else(|| {
-        let text =
-            format!("the cycle needs the first and the last block of its contour (P and Q) in '{}'", act.block_text());
+        let text = format!(
+            "the cycle needs the first and the last block of its contour (P and Q) in '{}'",
+            act.channel().block_text()
+        );
         act.alarm(&diag::CONTOUR_RANGE, text)
     })
 }
@@ -100,7 +105,7 @@ fn roughing(act: &mut Act<'_, '_>, plane: &LathePlane, face: bool) -> Acted {
     let rough = words::rough(act, plane, face);
     let depth = rough.settings.depth;
     if !(depth > 0.0 && depth.is_finite()) {
-        let text = format!("the depth of a level is {depth} in '{}', it must be above 0", act.block_text());
+        let text = format!("the depth of a level is {depth} in '{}', it must be above 0", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_DEPTH, text));
     }
     let feed = act.feed();
@@ -117,8 +122,10 @@ fn repeating(act: &mut Act<'_, '_>, plane: &LathePlane) -> Acted {
     let blocks = contour_blocks(act, first, last)?;
     let (allowance, repeats) = words::pattern(act, plane);
     if !(1.0..=999_999.0).contains(&repeats) {
-        let text =
-            format!("the contour of '{}' is repeated {repeats} times, it must be at least once", act.block_text());
+        let text = format!(
+            "the contour of '{}' is repeated {repeats} times, it must be at least once",
+            act.channel().block_text()
+        );
         return Err(act.alarm(&diag::CONTOUR_REPEATS, text));
     }
     let relief = act.channel().state.others.turning.relief;
@@ -137,7 +144,7 @@ fn pecking(act: &mut Act<'_, '_>, plane: &LathePlane, along_x: bool) -> Acted {
     let from = act.channel().state.place.programmed();
     let (_, target) = act.programmed_targets();
     if let Some(step) = steps.into_iter().find(|step| *step < 0.0) {
-        let text = format!("the peck or shift {step} is negative in '{}'", act.block_text());
+        let text = format!("the peck or shift {step} is negative in '{}'", act.channel().block_text());
         return Err(act.alarm(&diag::PECK_STEP, text));
     }
     let turned = |[z, x]: [f64; 2]| if along_x { [x, z] } else { [z, x] };
@@ -226,7 +233,7 @@ fn beside(act: &Act<'_, '_>, contour: &[Element], (side, until): (f64, Option<us
 /// Cuts along a contour that was read.
 pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading) -> Acted {
     let Some((plane, first)) = act.channel().lathe_plane().zip(reading.first) else {
-        let text = format!("the contour of '{}' has no move", act.block_text());
+        let text = format!("the contour of '{}' has no move", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_FIRST, text));
     };
     let mut elements = reading.elements;
@@ -237,13 +244,14 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
         return screw::cut(act, &plane, face, (reading.start, &elements, &reading.screws));
     }
     if reading.screws.iter().any(Option::is_some) {
-        let text = format!("the contour of '{}' has threads, which only G88 cuts", act.block_text());
+        let text = format!("the contour of '{}' has threads, which only G88 cuts", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_CODE, text));
     }
     let mut feeds = reading.feeds;
     if let (Task::Rough(rough::Settings { lap: Some(_), .. }, _), Some(side)) = (cycle.task, reading.side) {
         let Some(beside) = beside(act, &elements, (side, reading.beside)) else {
-            let text = format!("the nose of the tool does not fit into the contour of '{}'", act.block_text());
+            let text =
+                format!("the nose of the tool does not fit into the contour of '{}'", act.channel().block_text());
             return Err(act.alarm(&diag::CYCLE_REFUSED, text));
         };
         // Feeds belong to pieces as they were programmed.
@@ -275,7 +283,7 @@ pub(super) fn cut(act: &mut Act<'_, '_>, cycle: &ContourCycle, reading: Reading)
         super::cutter::after_thread(act);
         return Ok(());
     };
-    let block = act.block_text();
+    let block = act.channel().block_text();
     let (facts, why) = match refusal {
         Refusal::TurnsBack => (&diag::CONTOUR_BACK, "turns back along the cut"),
         Refusal::BeyondStart => (&diag::CONTOUR_BEYOND, "reaches beyond the start point of the cycle"),

@@ -39,7 +39,8 @@ pub(super) fn cut(
     let pieces = pieces.unwrap_or_default();
     let Some(([z, x], last)) = pieces.first().zip(pieces.last()).map(|((first, _), (last, _))| (first.from, last.to))
     else {
-        let text = format!("the contour of '{}' may have threads only (G34, G35, G112, G113)", act.block_text());
+        let text =
+            format!("the contour of '{}' may have threads only (G34, G35, G112, G113)", act.channel().block_text());
         return Err(act.alarm(&diag::CONTOUR_CODE, text));
     };
     let feed = (None, FeedUnit::PerRevolution);

@@ -24,7 +24,7 @@ fn cut(act: &mut Act<'_, '_>, strip: &Strip, reading: &Reading) -> Acted {
     let Some(plane) = plane else {
         let text = format!(
             "the program sets alarm 61606: the contour is not in the plane of Z and X in '{}'",
-            act.block_text()
+            act.channel().block_text()
         );
         return Err(act.alarm(&diag::SIEMENS_STOP, text));
     };
@@ -43,6 +43,6 @@ fn cut(act: &mut Act<'_, '_>, strip: &Strip, reading: &Reading) -> Acted {
         Err(Wrong::Narrow) => "61605: the allowances do not fit into the contour",
         Err(Wrong::Clearance) => "61604: the contour falls more steeply than the clearance angle of the tool allows",
     };
-    let text = format!("the program sets alarm {why} in '{}'", act.block_text());
+    let text = format!("the program sets alarm {why} in '{}'", act.channel().block_text());
     Err(act.alarm(&diag::SIEMENS_STOP, text))
 }

@@ -121,7 +121,7 @@ fn take_change(act: &mut Act<'_, '_>, change: LeadChange, implied: bool) -> f64 
         (LeadChange::Down, said) => -said.unwrap_or(last).abs(),
     };
     if value == 0.0 && said.is_none() && matches!(change, LeadChange::Signed | LeadChange::Up | LeadChange::Down) {
-        let text = format!("a thread with a changing lead needs its change in '{}'", act.block_text());
+        let text = format!("a thread with a changing lead needs its change in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
     act.channel_mut().state.remembered.remember(id, value);
@@ -139,7 +139,7 @@ fn take_starts(act: &mut Act<'_, '_>) -> f64 {
     if let Some(current) = current
         && !(1.0..=starts).contains(&current)
     {
-        let text = format!("start {current} of a thread with {starts} starts in '{}'", act.block_text());
+        let text = format!("start {current} of a thread with {starts} starts in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     }
     starts
@@ -155,10 +155,10 @@ impl Act<'_, '_> {
 
     /// Stops the channel at a thread without a lead before anything of it is made, where that is an alarm.
     pub(super) fn check_lead(&mut self, screw: &Screw) -> Acted {
-        if screw.lead > 0.0 || self.channel().goes_on_at(&diag::NO_LEAD) {
+        if screw.lead > 0.0 || !self.channel().env.machine.stops_at(&diag::NO_LEAD) {
             return Ok(());
         }
-        let text = format!("thread without a lead in '{}', {NOT_DONE}", self.block_text());
+        let text = format!("thread without a lead in '{}', {NOT_DONE}", self.channel().block_text());
         self.diagnose(&diag::NO_LEAD, text);
         self.channel().check_stop()
     }
@@ -211,7 +211,7 @@ impl Act<'_, '_> {
         let from = self.channel().state.place.position;
         if screw.lead.is_nan() || screw.lead <= 0.0 {
             let done = self.channel().becomes(&diag::NO_LEAD, "the move is timed as rapid");
-            let text = format!("thread without a lead in '{}', {done}", self.block_text());
+            let text = format!("thread without a lead in '{}', {done}", self.channel().block_text());
             self.diagnose(&diag::NO_LEAD, text);
             return Ok(self.rapid_seconds(&from, target));
         }
@@ -219,7 +219,7 @@ impl Act<'_, '_> {
             let text = format!(
                 "{} in the thread '{}', the move is timed as rapid",
                 stopped(self.channel()),
-                self.block_text()
+                self.channel().block_text()
             );
             self.diagnose(&diag::SPINDLE_STANDS, text);
             return Ok(self.rapid_seconds(&from, target));
@@ -242,7 +242,7 @@ impl Act<'_, '_> {
         let steady = minutes(Lead { change: 0.0, ..lead }).unwrap_or(0.0) * 60.0;
         let text = format!(
             "the lead reaches zero before the end of the thread in '{}', the move is timed with its initial lead",
-            self.block_text()
+            self.channel().block_text()
         );
         self.diagnose(&diag::THREAD_LEAD, text);
         Ok(steady)
@@ -258,7 +258,7 @@ impl Act<'_, '_> {
         let [asked, most] = [way / seconds, most].map(|rate| format!("{:.0}", rate * 60.0));
         let text = format!(
             "the thread in '{}' needs a rate of {asked} where its axis reaches {most}: reduce the spindle speed",
-            self.block_text()
+            self.channel().block_text()
         );
         self.diagnose(&diag::THREAD_RATE, text);
     }

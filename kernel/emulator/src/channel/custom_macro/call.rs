@@ -21,7 +21,7 @@ impl Kernel<'_> {
         let word = own.as_deref().map(|call| (call.register, call.by.value));
         let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let is_line = self.plan.hooks.is_none() && self.channel.text.edited.is_none();
-        let held = (!is_line).then(|| self.text_bytes().into_owned());
+        let held = (!is_line).then(|| self.channel.text_bytes().into_owned());
         let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let text = held.as_deref().unwrap_or_else(as_read);
         self.channel.state.remembered.remember_sequence(self.channel.block.sequence);
@@ -51,7 +51,7 @@ impl Kernel<'_> {
             None => self.flow.modal_call().map(|call| call.what.clone()),
         };
         let Some(what) = what else {
-            let text = format!("macro call without a program number P in '{}'", self.block_text());
+            let text = format!("macro call without a program number P in '{}'", self.channel.block_text());
             return Err(self.alarm(&diag::MACRO_CALL, text));
         };
         let passes = match (words.call, words.count, self.flow.modal_call()) {

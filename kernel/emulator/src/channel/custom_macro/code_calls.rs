@@ -139,7 +139,7 @@ impl Kernel<'_> {
             Some(variable) => self.set_numbered(variable, by.value).map_err(|why| match why {
                 NotThere::Halt(halt) => halt,
                 NotThere::Missing | NotThere::ReadOnly | NotThere::TooBig => {
-                    let text = format!("variable #{variable} cannot be written in '{}'", self.block_text());
+                    let text = format!("variable #{variable} cannot be written in '{}'", self.channel.block_text());
                     self.alarm(&diag::MACRO_VARIABLE, text)
                 }
             }),
@@ -150,7 +150,7 @@ impl Kernel<'_> {
     /// Takes the program name off the block.
     pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
         let (start, end) = self.channel.block.take_name()?;
-        let line = self.text_bytes();
+        let line = self.channel.text_bytes();
         let name = line.get(start as usize + 1..(end as usize).saturating_sub(1))?;
         Some(String::from_utf8_lossy(name).into())
     }

@@ -107,12 +107,12 @@ fn values(letters: &[Letter]) -> Vec<(u8, f64)> {
 
 /// A statement of signals is not possible.
 fn wrong_signal(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
-    let text = format!("{reason}, in '{}'", kernel.block_text());
+    let text = format!("{reason}, in '{}'", kernel.channel.block_text());
     kernel.alarm(&diag::SIGNAL_STATEMENT, text)
 }
 
 /// The arguments of a statement are not possible.
 fn illegal(kernel: &mut Kernel<'_>, reason: &str) -> Halt {
-    let text = format!("{reason}, in '{}'", kernel.block_text());
+    let text = format!("{reason}, in '{}'", kernel.channel.block_text());
     kernel.alarm(&diag::STATEMENT_ARGUMENTS, text)
 }

@@ -23,7 +23,7 @@ impl Kernel<'_> {
         }
         let runtime = &*self.macros;
         let own = match &plan.unmarked {
-            Some(scanner) if runtime.block.made => return scanner,
+            Some(scanner) if self.channel.context.made => return scanner,
             _ => &runtime.reading.switched,
         };
         own.as_deref().unwrap_or(&plan.scanner)
@@ -45,7 +45,7 @@ impl Programs for Kernel<'_> {
 
     #[inline]
     fn unchanged_line(&self) -> Option<(FileId, u32)> {
-        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
+        let as_read = self.channel.text.edited.is_none() && self.channel.context.text.is_none();
         as_read.then_some((self.channel.at.file, self.channel.at.line))
     }
 
@@ -86,11 +86,11 @@ impl Programs for Kernel<'_> {
     }
 
     fn block_text(&self) -> String {
-        Kernel::block_text(self)
+        self.channel.block_text()
     }
 
     fn part(&self, span: (u32, u32)) -> String {
-        self.span_text(span)
+        self.channel.span_text(span)
     }
 
     fn strip(&mut self, text: &[u8], displays: bool, into: &mut Vec<u8>) -> Box<[(u32, u32)]> {

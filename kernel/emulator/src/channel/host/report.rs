@@ -26,7 +26,7 @@ impl Report for Kernel<'_> {
     }
 
     fn report_unrecognised(&mut self, word: &str) -> Acted {
-        let place = format!("'{}'", self.block_text());
+        let place = format!("'{}'", self.channel.block_text());
         if self.channel.env.machine.habits.unknown_alarms {
             let why = self.dialect.kind.unknown_text(word, Unknown::Word);
             return Err(Kernel::alarm(
@@ -53,7 +53,7 @@ impl Report for Kernel<'_> {
     }
 
     fn continues_after(&self, facts: &'static Facts) -> bool {
-        self.channel.goes_on_at(facts)
+        !self.channel.env.machine.stops_at(facts)
     }
 
     fn output(&self) -> &Output {
@@ -72,7 +72,7 @@ impl Report for Kernel<'_> {
             && !self.flow.printing.open
             && !std::mem::replace(&mut self.flow.printing.closed_reported, true)
         {
-            let text = format!("'{}' prints without POPEN before it; its output is kept", self.block_text());
+            let text = format!("'{}' prints without POPEN before it; its output is kept", self.channel.block_text());
             self.diagnose(&diag::PRINT_CLOSED, text);
         }
         self.flow.pass.effects = true;

@@ -43,7 +43,7 @@ fn set_fluid(kernel: &mut Kernel<'_>, fluid: u8) -> Outcome<()> {
     match code_of(fluid, outlet).filter(|code| kernel.row_of_code(*code).is_some()) {
         Some(code) => {
             kernel.activate_code(code);
-            kernel.channel.note_coolant(fluid, outlet);
+            kernel.channel.state.others.coolant.note(fluid, outlet);
             Ok(())
         }
         None => Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this coolant")),

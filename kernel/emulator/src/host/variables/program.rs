@@ -1,5 +1,6 @@
 //! Variables of the program, the subprograms, diagnostics and the definition.
 
+use crate::state::text;
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
@@ -108,8 +109,8 @@ fn levels(kernel: &Kernel<'_>) -> u16 {
 /// How a variable is read and written.
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
-        "$CECODE" => (|k, _| code_value(k.macros.block.code), None),
-        "$MCD" => (|k, _| Value::text(String::from_utf8_lossy(&k.preprocessed_bytes())), None),
+        "$CECODE" => (|k, _| code_value(k.channel.context.code), None),
+        "$MCD" => (|k, _| Value::text(String::from_utf8_lossy(&text::preprocessed_bytes(&k.channel))), None),
         "$LMCD" => (|k, _| neighbour(k, false), None),
         "$NMCD" => (|k, _| neighbour(k, true), None),
         "$MCDNO" => (
@@ -131,10 +132,10 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             (|k, _| Value::text(k.flow.frames.first().map_or("", |f| k.channel.env.info.file_name(f.file))), None)
         }
         "$XMCD" => (
-            |k, _| Value::text(k.left_text()),
+            |k, _| Value::text(text::left_text(&k.channel)),
             Some(|k, _, value| {
                 let text = value.as_text().unwrap_or("").to_owned();
-                k.set_left(text);
+                text::set_left(&mut k.channel, text);
                 Ok(())
             }),
         ),

@@ -66,8 +66,11 @@ pub(crate) fn set(act: &mut Act<'_, '_>, setting: Setting) -> Acted {
 pub(crate) fn cycle(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
     let axis = |role: usize| act.channel().state.place.layout.cartesian.get(role).copied().flatten();
     let (Some(x), Some(z)) = (axis(0), axis(2)) else {
-        let text =
-            format!("channel {} has no X and Z for the thread of '{}'", act.channel().at.channel, act.block_text());
+        let text = format!(
+            "channel {} has no X and Z for the thread of '{}'",
+            act.channel().at.channel,
+            act.channel().block_text()
+        );
         act.diagnose(&diag::CYCLE_AXIS, text);
         return Ok(());
     };
@@ -142,7 +145,7 @@ fn multi(act: &mut Act<'_, '_>, kind: ThreadCycle, axes: [AxisSlot; 2]) -> Acted
 /// The passes that the settings make of a depth.
 fn plan(act: &mut Act<'_, '_>) -> Result<Plan, Halt> {
     if act.channel().state.threads.cycle.depth.is_none() {
-        let text = format!("a thread needs its depth in '{}', it is cut in one pass", act.block_text());
+        let text = format!("a thread needs its depth in '{}', it is cut in one pass", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
     let cycle = &act.channel().state.threads.cycle;
@@ -165,7 +168,7 @@ fn plan(act: &mut Act<'_, '_>) -> Result<Plan, Halt> {
         let text = format!(
             "the {name} {amount:.4} is greater than the thread height {height:.4} in '{}'; check whether its word counts \
              least increments or needs a decimal point",
-            act.block_text()
+            act.channel().block_text()
         );
         return Err(act.alarm(&diag::THREAD_AMOUNTS, text));
     }

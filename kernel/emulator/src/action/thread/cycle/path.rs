@@ -41,8 +41,10 @@ impl Act<'_, '_> {
         let (passes, cut_short) = plan.passes();
         self.channel_mut().state.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
         if cut_short {
-            let text =
-                format!("the thread of '{}' has too many passes, the rest is cut in one pass", self.block_text());
+            let text = format!(
+                "the thread of '{}' has too many passes, the rest is cut in one pass",
+                self.channel().block_text()
+            );
             self.diagnose(&diag::THREAD_PASSES, text);
         }
         let level = self.channel().state.place.programmed().at(thread.axes[1]) * thread.scales[1];

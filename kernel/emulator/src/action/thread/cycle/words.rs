@@ -67,7 +67,7 @@ fn take_within(act: &mut Act<'_, '_>, id: DataId, least: f64, most: f64) -> Opti
         return Some(value);
     }
     let name = act.channel().env.machine.data_name(id).to_owned();
-    let text = format!("{name} {value} is not in {least} to {most} in '{}'", act.block_text());
+    let text = format!("{name} {value} is not in {least} to {most} in '{}'", act.channel().block_text());
     act.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     None
 }
@@ -152,7 +152,7 @@ fn check_nose(act: &mut Act<'_, '_>, angle: f64) -> Acted {
         return Ok(());
     }
     let listed: Vec<String> = (0..=120).filter(|degree| noses >> degree & 1 != 0).map(|d: u32| d.to_string()).collect();
-    let text = format!("nose angle {angle} in '{}'; the control has {}", act.block_text(), listed.join(", "));
+    let text = format!("nose angle {angle} in '{}'; the control has {}", act.channel().block_text(), listed.join(", "));
     Err(act.alarm(&diag::NOSE_ANGLE, text))
 }
 
@@ -206,7 +206,7 @@ pub(super) fn thread(
     let place = act.channel().state.place.programmed();
     let here = axes.map(|axis| place.at(axis));
     if end.iter().any(Option::is_none) {
-        let text = format!("a thread needs its end along X and Z in '{}'", act.block_text());
+        let text = format!("a thread needs its end along X and Z in '{}'", act.channel().block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
     let along = |value: Option<f64>| value.unwrap_or(here[0]) * scales[0];
