@@ -10,6 +10,7 @@ use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll};
 
 use bytes::Bytes;
+use http::header::CONTENT_TYPE;
 use http::{Request, Response};
 use http_body::{Frame, SizeHint};
 use tonic::Status;
@@ -50,7 +51,12 @@ impl http_body::Body for Cuttable {
         if let Some(status) = self.cut.0.get().cloned() {
             // The service sees that its client has gone.
             let cut = self.body.take().is_some_and(|body| !body.is_end_stream());
-            return Poll::Ready(cut.then(|| Ok(Frame::trailers(status.into_http::<Body>().headers().clone()))));
+            let trailers = || {
+                let mut headers = std::mem::take(status.into_http::<Body>().headers_mut());
+                headers.remove(CONTENT_TYPE);
+                Ok(Frame::trailers(headers))
+            };
+            return Poll::Ready(cut.then(trailers));
         }
         match &mut self.body {
             Some(body) => Pin::new(body).poll_frame(cx),

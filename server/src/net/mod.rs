@@ -50,6 +50,7 @@ use held::Held;
 use pause::{Pause, Paused};
 pub(crate) use status::serve as monitor;
 use unanswered::Unanswered;
+use web::AnswerForm;
 
 /// Largest message in either direction, bytes; for a compressed message, its size without compression.
 pub(crate) const MAX_MESSAGE: usize = 4 << 20;
@@ -286,8 +287,28 @@ fn builder() -> http2::Builder<TokioExecutor> {
     builder
 }
 
-/// Answers one authorized call, within its deadline if it has one.
+/// Answers one request in the form of its protocol.
 async fn answer(
+    routes: Routes,
+    request: Request<Incoming>,
+    peer: Arc<Peer>,
+    call: Call,
+    stall: Duration,
+) -> Result<Response<Held>, Infallible> {
+    let form = match &peer.gate.web {
+        None => AnswerForm::default(),
+        Some(web) => match web.preflight(&request) {
+            Some(answer) => return Ok(answer.map(|body| Held::new(body, call, None, None))),
+            None => web.form_of_answer(request.headers()),
+        },
+    };
+    let mut answer = answer_call(routes, request, peer, call, stall).await?;
+    form.apply(answer.headers_mut());
+    Ok(answer)
+}
+
+/// Answers one authorized call, within its deadline if it has one.
+async fn answer_call(
     routes: Routes,
     mut request: Request<Incoming>,
     peer: Arc<Peer>,
@@ -295,23 +316,11 @@ async fn answer(
     stall: Duration,
 ) -> Result<Response<Held>, Infallible> {
     let begin = Instant::now();
-    let readable = match &peer.gate.web {
-        None => None,
-        Some(web) => match web.preflight(&request) {
-            Some(answer) => return Ok(answer.map(|body| Held::new(body, call, None, None))),
-            None => web.readable(request.headers()),
-        },
-    };
     let timeout = deadline(request.headers());
     let deadline = timeout.as_ref().ok().and_then(|time| begin.checked_add((*time)?));
     let caller = match turn::admitted(&mut request, &peer, &call, deadline).await {
         Ok(caller) => caller,
-        Err(mut refused) => {
-            if let Some(origin) = readable {
-                web::allow(refused.headers_mut(), origin);
-            }
-            return Ok(refused.map(|body| Held::new(body, call, None, None)));
-        }
+        Err(refused) => return Ok(refused.map(|body| Held::new(body, call, None, None))),
     };
     let path = request.uri().path().to_owned();
     if let Some((status, text)) = form::wrong(&request, peer.gate.web.is_some()) {
@@ -323,10 +332,7 @@ async fn answer(
         return Ok(refused.map(|body| Held::new(body, call, None, None)));
     }
     if let Err(refusal) = timeout {
-        let mut refused = peer.gate.refuse(peer.address, caller.as_ref(), &path, refusal);
-        if let Some(origin) = readable {
-            web::allow(refused.headers_mut(), origin);
-        }
+        let refused = peer.gate.refuse(peer.address, caller.as_ref(), &path, refusal);
         return Ok(refused.map(|body| Held::new(body, call, None, None)));
     }
     let place = match calls::watches_health(&path).then(|| peer.health.take(peer.address.ip())) {
@@ -383,9 +389,6 @@ async fn answer(
     match late {
         true => unanswered.late(&response, begin.elapsed()),
         false => unanswered.answered(&response, begin.elapsed()),
-    }
-    if let Some(origin) = readable {
-        web::allow(response.headers_mut(), origin);
     }
     let taken = response.extensions_mut().remove();
     let ended = held::ended(rights, deadline.filter(|_| !late));

@@ -6,7 +6,7 @@
 
 use http::header::{
     ACCESS_CONTROL_ALLOW_HEADERS, ACCESS_CONTROL_ALLOW_METHODS, ACCESS_CONTROL_ALLOW_ORIGIN,
-    ACCESS_CONTROL_EXPOSE_HEADERS, ACCESS_CONTROL_MAX_AGE, ACCESS_CONTROL_REQUEST_METHOD, ORIGIN, VARY,
+    ACCESS_CONTROL_EXPOSE_HEADERS, ACCESS_CONTROL_MAX_AGE, ACCESS_CONTROL_REQUEST_METHOD, CONTENT_TYPE, ORIGIN, VARY,
 };
 use http::{HeaderMap, HeaderName, HeaderValue, Method, Request, Response, StatusCode};
 use tonic::body::Body;
@@ -54,14 +54,43 @@ impl Web {
         Some(response)
     }
 
-    /// The rule of an answer: its permitted readers.
-    pub(super) fn readable(&self, request: &HeaderMap) -> Option<HeaderValue> {
-        self.origin(request)
+    /// The form of the answer to a request.
+    pub(super) fn form_of_answer(&self, request: &HeaderMap) -> AnswerForm {
+        let kind = request.get(CONTENT_TYPE).map_or(&[][..], HeaderValue::as_bytes);
+        let kind = match (kind.starts_with(b"application/grpc-web-text"), kind.starts_with(b"application/grpc-web")) {
+            (true, _) => Some("application/grpc-web-text+proto"),
+            (_, true) => Some("application/grpc-web+proto"),
+            _ => None,
+        };
+        AnswerForm { origin: self.origin(request), kind }
+    }
+}
+
+/// The form of an answer to a page.
+#[derive(Default)]
+pub(super) struct AnswerForm {
+    /// The origin whose pages may read the answer.
+    origin: Option<HeaderValue>,
+    /// The content type of the protocol; none for other protocols.
+    kind: Option<&'static str>,
+}
+
+impl AnswerForm {
+    /// Lets pages read an answer, and gives an answer that no service has made the content type of gRPC-Web.
+    pub(super) fn apply(self, headers: &mut HeaderMap) {
+        if let Some(origin) = self.origin {
+            allow(headers, origin);
+        }
+        if let Some(kind) = self.kind
+            && headers.get(CONTENT_TYPE).is_some_and(|kind| kind == "application/grpc")
+        {
+            set(headers, CONTENT_TYPE, kind);
+        }
     }
 }
 
 /// Lets pages of an origin read an answer.
-pub(super) fn allow(headers: &mut HeaderMap, origin: HeaderValue) {
+fn allow(headers: &mut HeaderMap, origin: HeaderValue) {
     headers.insert(ACCESS_CONTROL_ALLOW_ORIGIN, origin);
     set(headers, ACCESS_CONTROL_EXPOSE_HEADERS, ANSWER_HEADERS);
     set(headers, VARY, "origin");

@@ -101,6 +101,34 @@ async fn a_request_that_is_no_grpc_call_reaches_no_service() {
     server.stop().await;
 }
 
+/// Libraries for pages read the status of an answer only if its content type is that of gRPC-Web.
+#[tokio::test]
+async fn a_refusal_before_the_service_has_the_content_type_of_the_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = guarded(folder.path());
+    (options.guard.grpc_web, options.guard.grpc_web_origins) = (true, "https://cam.example".into());
+    let token = grant(&options, "page", "t", Role::Read);
+    let server = Server::start(options).await;
+    let known = format!("authorization: Bearer {token}\r\n");
+    let cases = [
+        (LIST, "", "16"),
+        ("/counterpoint.v1.Admin/Drain", &known, "7"),
+        ("/counterpoint.v1.Jobs/Nothing", &known, "12"),
+        (LIST, &format!("{known}grpc-timeout: soon\r\n"), "3"),
+    ];
+    for (path, headers, status) in cases {
+        for kind in ["application/grpc-web+proto", "application/grpc-web-text+proto"] {
+            let headers = format!("content-type: {kind}\r\norigin: https://cam.example\r\n{headers}");
+            let answer = ask_at(&server, ("POST", path), &headers, &[0; 5]).await;
+            let text = String::from_utf8_lossy(&answer);
+            assert!(text.contains(&format!("grpc-status: {status}")), "{path}: {text}");
+            assert!(text.contains(&format!("content-type: {kind}\r\n")), "{path}: {text}");
+            assert!(text.contains("access-control-allow-origin: https://cam.example"), "{path}: {text}");
+        }
+    }
+    server.stop().await;
+}
+
 /// A page reads no HTTP trailers, so the status has to be in the last message.
 #[tokio::test]
 async fn a_stream_that_ends_early_tells_a_page_its_reason() {
@@ -122,7 +150,7 @@ async fn a_stream_that_ends_early_tells_a_page_its_reason() {
         let decoded =
             messages.split("\r\n").filter_map(|chunk| STANDARD.decode(chunk).ok()).flatten().collect::<Vec<u8>>();
         let read = messages.to_owned() + &String::from_utf8_lossy(&decoded);
-        assert!(read.contains("grpc-status:4"), "{kind}: {text}");
+        assert!(read.contains("grpc-status:4") && !read.contains("content-type"), "{kind}: {text}");
     }
     server.stop().await;
 }
