@@ -1,7 +1,8 @@
 //! Speed words that no code of their block takes.
 //!
 //! Facts: reference control-emulator.md 3.3, shop-machines.md 2 (the speed belongs to the spindle of the M function in
-//! its block). *Invariant:* a speed beside a function that may turn another spindle never reaches the active spindle.
+//! its block). *Invariant:* a speed or a limit beside a function that may turn another spindle never reaches the active
+//! spindle. A word that names its spindle, such as S1=, does.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;
@@ -9,6 +10,7 @@ use counterpoint_machine::ident::codes;
 use counterpoint_machine::ident::kind::CodeKind;
 use counterpoint_machine::number::written;
 use counterpoint_machine::rows::{CodeForm, CodeRow};
+use counterpoint_program::block::Word;
 
 use crate::channel::Kernel;
 use crate::state::modal::group;
@@ -20,23 +22,25 @@ impl Kernel<'_> {
     /// The alarm of a speed that may be that of another spindle.
     #[cold]
     pub(super) fn speed_before_codes(&mut self) -> Acted {
-        let (mut moves, mut modes, mut function) = (false, false, None);
+        let (mut moves, mut modes, mut limits, mut function) = (false, false, false, None);
         for pending in &self.channel.block.pending {
             let row = &self.channel.env.machine.codes[pending.row];
-            let takes = matches!(row.id.kind(), CodeKind::Spindle { .. })
-                || matches!(row.id, codes::SPINDLE_MAXRPM | codes::DELAY_REV);
+            let takes = matches!(row.id.kind(), CodeKind::Spindle { .. }) || row.id == codes::DELAY_REV;
             if takes || self.plan.hooks.is_some() && self.matching_code_macro(row.id).is_some() {
                 return Ok(());
             }
+            limits |= row.id == codes::SPINDLE_MAXRPM;
             modes |= matches!(row.id, codes::SPINDLE_CSS | codes::SPINDLE_RPM);
             moves |= matches!(row.group, group::MOTION | group::CYCLE);
             function = function.or_else(|| self.function_without_effect(row).then_some(*pending));
         }
-        if let Some(pending) = function.filter(|_| self.channel.env.machine.habits.guards_speed) {
-            return self.refuse_speed(pending.value);
+        if let Some(pending) = function.filter(|_| self.channel.env.machine.habits.guards_speed)
+            && let Some(word) = plain_speed(self)
+        {
+            return self.refuse_speed(pending.value, word);
         }
-        // G96 and G97 take the speed themselves.
-        if !moves || modes {
+        // G96, G97 and a limit take the speed themselves.
+        if !moves || modes || limits {
             return Ok(());
         }
         (self.plan.actions.speed_word)(self)
@@ -52,14 +56,11 @@ impl Kernel<'_> {
     }
 
     /// The alarm of a speed beside a function without effect.
-    fn refuse_speed(&mut self, function: f64) -> Acted {
+    fn refuse_speed(&mut self, function: f64, word: Word) -> Acted {
         let Some(register) = self.plan.registers.function else { return Ok(()) };
         let machine = self.channel.env.machine;
         let function = format!("M{}", written(function, &machine.registers[register].format));
-        let speeds = self.plan.registers.speed;
-        let word = self.channel.block.words.iter().find(|word| !word.used && speeds & word.register.bit() != 0);
-        let word = word
-            .map_or_else(|| "the speed".to_owned(), |word| self.channel.span_text((word.start, word.end)).to_owned());
+        let word = self.channel.span_text((word.start, word.end)).to_owned();
         let text = format!(
             "{word} beside {function} in '{}': {function} has no effect on {} and may turn another spindle, so \
              no spindle takes the speed; make {function} a spindle code of the machine, or give its row \
@@ -69,4 +70,11 @@ impl Kernel<'_> {
         );
         Err(self.alarm(&diag::SPEED_OF_FUNCTION, text))
     }
+}
+
+/// The first speed of the block that names no spindle.
+fn plain_speed(kernel: &Kernel<'_>) -> Option<Word> {
+    let (speeds, machine) = (kernel.plan.registers.speed, kernel.channel.env.machine);
+    let plain = |word: &&Word| speeds & word.register.bit() != 0 && machine.registers[word.register].is_regular();
+    kernel.channel.block.words.iter().filter(|word| !word.used).find(plain).copied()
 }
