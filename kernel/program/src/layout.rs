@@ -395,7 +395,10 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
             }
             None => {
                 let plural = if count == 1 { "" } else { "s" };
-                let text = format!("machine {machine} has {count} channel{plural}, but the job has more programs");
+                let text = format!(
+                    "machine {machine} has {count} channel{plural}, but the job has more programs: name at most one for \
+                     each channel, or run each as a job of its own"
+                );
                 findings.push(candidate.error(text));
             }
         }

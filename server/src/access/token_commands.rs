@@ -61,10 +61,13 @@ pub enum TokenCommand {
     },
 }
 
-/// Refuses an empty name, which usually comes from an unset shell variable.
+/// Refuses an empty name, which usually comes from an unset shell variable, and one that takes several lines of a list.
 fn filled(text: &str) -> Result<String, String> {
     match text.trim() {
         "" => Err("the name is empty: give a name or omit the option (is a variable unset?)".to_owned()),
+        _ if text.chars().any(char::is_control) => {
+            Err("a name has no control characters, such as a line break".to_owned())
+        }
         _ => Ok(text.to_owned()),
     }
 }

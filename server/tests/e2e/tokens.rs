@@ -48,6 +48,8 @@ async fn a_token_is_made_listed_and_revoked_and_the_server_follows_when_it_reads
     let (code, listed, _) = token(&access, &["list"]);
     assert_eq!((code, listed.lines().count()), (Some(0), 1));
     assert!(listed.trim().ends_with("  ci  t  read  expires in 9 days"), "{listed}");
+    let (code, _, refusal) = token(&access, &["new", "--tenant", "t", "--role", "read", "--name", "a\nb"]);
+    assert!(code == Some(2) && refusal.contains("control characters"), "{refusal}");
     let (code, _, talk) = token(&access, &["new", "--tenant", "t", "--role", "read", "--name", "ci"]);
     assert!(code == Some(0) && talk.contains("another token has the name 'ci'"), "{talk}");
     assert!(!hint.contains("another token"), "{hint}");
