@@ -159,6 +159,15 @@ fn a_move_that_waits_is_made_under_the_tip_control_of_its_block() {
     }
 }
 
+/// The check of the spindle's speed is at the end of its instant, also for a waiting move that an alarm ends there.
+#[test]
+fn the_block_of_an_alarm_in_a_waiting_move_comes_after_its_diagnostics() {
+    let rest = "\nM30\nO77\nM9\nM99\nO78\nG91 G1 Z1.\nG90\nM99\n";
+    let upper = format!("O1\nG98 F500\nT101\nG0 X40. Z5.\nG99 F0.2\nG42\nG0 Z9. X-11.\nG1 Z6. C0.\nG0 Z0. X0.{rest}");
+    let lower = format!("O1\nG98 F500\nT101\nG0 X40. Z5.\n{rest}");
+    run(machine(false, Macros::Meddling), &[upper, lower]).unwrap();
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: cases(100), failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -8,6 +8,7 @@ use counterpoint_machine::index::{AxisSlot, BySlot};
 use counterpoint_motion::arc::Arc;
 use std::f64::consts::TAU;
 
+use super::held::HeldShift;
 use super::{Cutter, Shape, Step};
 use crate::act::Act;
 use crate::action::arc::Circle;
@@ -171,17 +172,18 @@ impl Act<'_, '_> {
         let waiting = std::mem::take(&mut cutter.waiting);
         cutter.idle = 0;
         let mut begun = cutter.stage;
-        let now = (self.channel().at.clock, self.channel().at.micro, self.channel().block.flags.exact_stop);
+        let (now, exact_stop) =
+            ((self.channel().at.clock, self.channel().at.micro), self.channel().block.flags.exact_stop);
         let place = self.channel().at.block_place();
         let (edited, spindle) = (self.channel().text.edited.clone(), self.channel().state.spindle);
         let mut events = self.channel_mut().emitter.release().into_iter();
-        let (mut late, mut out) = (0_i64, 0_usize);
+        let (mut shift, mut out) = (HeldShift::default(), 0_usize);
         let (mut result, mut missing) = (Ok(()), None);
         for (at, waits) in waiting.iter().enumerate() {
             let next = waiting.iter().skip(at + 1).find_map(|later| later.element.as_ref()).or(next);
-            self.put_back_events(&mut events, waits.events.saturating_sub(out), late);
+            self.put_back_events(&mut events, waits.events.saturating_sub(out), shift);
             out = out.max(waits.events);
-            self.go_to(waits, late);
+            self.go_to(waits, shift);
             let before = self.channel().at.clock;
             self.channel_mut().state.spindle = waits.spindle;
             if result.is_ok() {
@@ -193,17 +195,15 @@ impl Act<'_, '_> {
                     _ => begun,
                 };
             }
-            late = late.saturating_add(self.channel().at.clock.saturating_sub(before));
+            let at = &self.channel().at;
+            shift.add(before, (at.clock, at.micro));
         }
-        self.put_back_events(&mut events, usize::MAX, late);
+        self.put_back_events(&mut events, usize::MAX, shift);
         self.channel_mut().state.spindle = spindle;
-        (self.channel_mut().at.clock, self.channel_mut().at.micro, self.channel_mut().block.flags.exact_stop) = now;
+        (self.channel_mut().at.clock, self.channel_mut().at.micro) = shift.of(now);
+        self.channel_mut().block.flags.exact_stop = exact_stop;
         self.channel_mut().at.go_to(place);
         self.channel_mut().text.edited = edited;
-        self.channel_mut().at.clock = self.channel().at.clock.saturating_add(late);
-        if late > 0 {
-            self.channel_mut().at.micro = 0;
-        }
         if let Some((facts, text)) = missing.filter(|_| result.is_ok()) {
             self.diagnose(facts, text);
             return self.channel().check_stop();
