@@ -80,7 +80,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
         Setting::Units(unit) => Some(*unit),
         _ => None,
     });
-    // The unit of a composite is that of its components.
+    // A composite takes its unit from its components.
     let mut initial = Vec::new();
     if let Some(unit) = unit {
         for (_, chain) in &components {
@@ -109,7 +109,7 @@ pub(crate) fn machine(machine: &str, settings: &[Setting]) -> Result<(String, Fi
 struct Begins {
     /// The unit, if it is set.
     unit: Option<Unit>,
-    /// The lines `initial` of the components, or of the machine if it has none.
+    /// The lines `initial` of the components, or of the machine if it has no components.
     initial: Vec<String>,
 }
 

@@ -15,7 +15,7 @@ use crate::settings::Setting;
 /// The remedy when no machine can be guessed.
 const ASK: &str = "use --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
 
-/// Bytes of a program in which words of units are looked for.
+/// Bytes of a program that are searched for words that select a unit.
 const SEARCHED: usize = 4 << 20;
 
 /// The machine for the programs of a job. `waits` are the M codes that are waiting codes, if they differ from those of
@@ -39,8 +39,7 @@ pub(crate) fn machine(pack: &Pack, waits: Option<&RangeInclusive<u32>>) -> Resul
         .map_err(|why| Error::Usage(format!("no machine given, and {why}; {ASK}")))
 }
 
-/// The unit in which a guessed machine reads the programs, as a part of a sentence, if no program has a word that
-/// selects one.
+/// The initial unit of a guessed machine, as part of a sentence; `None` if a program has a word that selects a unit.
 pub(crate) fn unit(machine: &str, pack: &Pack, set: &[Setting]) -> Option<String> {
     let machine = LocalMachine::shipped(machine).load().ok()?;
     let first = machine.of_channel(machine.channels.first()?.number);

@@ -292,7 +292,7 @@ pub(crate) async fn submit_pack(
     Submission { request, attended, lint, no_cache }: Submission,
 ) -> Result<Submitted, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
-    // Every machine takes one program, so a job of one needs no look at its machine.
+    // Every machine accepts one program, so the machine of a job with one program is not checked.
     let several = pack.programs.len() > 1 && !client.is_embedded();
     if let Some(machine) = inputs.on.machine.as_deref().filter(|_| several) {
         check_channels(machine, pack.programs.len())?;

@@ -41,7 +41,7 @@ fn the_report_names_the_unit_of_the_coordinates() {
     let late = format!("O1\nG1 X1. F9.\nG20\n{MOVES}");
     let late = line(&late, mill);
     assert_eq!(late, "coordinates read in mm, the unit in which machine fanuc-mill begins, from line 3 in inch");
-    // A tool change is no coordinate of the program.
+    // Moves of a tool change have no coordinates of the program.
     assert_eq!(line(&format!("O1\nT1 M6\nG20\n{MOVES}"), mill), "coordinates read in inch");
     let siemens = line(MOVES, &["--machine", "siemens-mill"]);
     let begins = "no G70/G71/G700/G710: coordinates read in mm, the unit in which machine siemens-mill begins";

@@ -41,7 +41,7 @@ pub struct Contents {
     pub jobs: usize,
     /// Copied blobs.
     pub blobs: usize,
-    /// Blobs that jobs or machines need, and that the folder did not have.
+    /// Blobs that jobs or machines need, but the folder lacks.
     pub missing: usize,
     /// Ended jobs that were left out: deleted while the backup was made, or their log is lost.
     pub left_out: usize,

@@ -209,7 +209,7 @@ impl Refusal {
         Self::InvalidField { field: field.into(), text: text.into() }
     }
 
-    /// The ledger takes no change until its disk can be written again.
+    /// The ledger accepts no change until its disk can be written again.
     pub(crate) fn unwritable_ledger() -> Self {
         Self::Storage("the ledger cannot be written at the moment".to_owned())
     }

@@ -36,7 +36,7 @@ fn settings_of_a_composite_are_those_of_its_components() {
     assert_eq!(text("fanuc-milling"), format!("extends = \"fanuc-milling\"\n{numbers}"));
 }
 
-/// Machines whose programs can be in either unit begin in the one that is set; the components of a composite, too.
+/// Machines whose programs can be in either unit begin in the set unit. So do the components of a composite.
 #[test]
 fn programs_begin_in_the_unit_that_is_set() {
     use counterpoint_kernel::log::info::Unit;

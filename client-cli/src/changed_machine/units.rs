@@ -7,8 +7,8 @@ use crate::error::Error;
 /// Codes of the unit of the machine, of the other unit, and of the other unit for lengths only.
 const CODES: [&str; 3] = ["CODE_UNITS_PRIMARY", "CODE_UNITS_SECONDARY", "CODE_UNITS_SECONDARY_LENGTHS"];
 
-/// The line `initial` of a machine that begins in this unit; `tables` are its definition and those of its families,
-/// the nearest first.
+/// The line `initial` of a machine that begins in the wanted unit. `tables` are the definitions of the machine and of
+/// its families, the nearest first.
 pub(super) fn initial(machine: &str, tables: &[toml::Table], wanted: Unit) -> Result<String, Error> {
     let own = tables.iter().find_map(|table| table.get("ce")?.get("units")?.as_str());
     let unit = if own == Some("inch") { Unit::Inch } else { Unit::Mm };

@@ -50,8 +50,8 @@ pub(crate) struct Act<'k, 'a> {
 }
 
 impl<'k, 'a> Act<'k, 'a> {
-    /// Reads the numbers of the block again, in the unit that it has selected. Values of the part that may be in the
-    /// other one are reported.
+    /// Reads the numbers of the block again, in the unit that the block has selected. Reports values of the part that
+    /// may be in the other unit.
     pub(crate) fn unit_selected(&mut self, inch: bool) -> Acted {
         self.kernel.read_words_again();
         crate::channel::part_data::check(self.kernel, inch)

@@ -65,7 +65,7 @@ struct Preset {
 }
 
 impl Preset {
-    /// The value if a whole number counts increments of which so many make a unit.
+    /// The value, if whole numbers count increments; `step` increments make a unit.
     fn value(&self, step: f64) -> f64 {
         if self.pointed { self.written } else { self.written / step }
     }

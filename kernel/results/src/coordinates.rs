@@ -1,7 +1,7 @@
 //! The units in which the coordinates of a job were read.
 //!
-//! *Invariant:* only moves of the user's blocks count: a tool change before the first code of a unit has no coordinates
-//! of the program.
+//! *Invariant:* only moves of the user's blocks count; moves of a tool change before the first code of a unit have no
+//! coordinates of the program.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use counterpoint_event::event::FileId;
 use counterpoint_event::info::{self, Info, Unit};
 
-/// Changes of the unit that are listed for each channel.
+/// Most changes of the unit that are listed for a channel.
 const MAX_CHANGES: usize = 8;
 
 /// The units of a job in the summary.
@@ -27,7 +27,7 @@ pub struct Coordinates {
 pub struct ChannelUnits {
     /// Its number.
     pub channel: u16,
-    /// Whether the program had selected a unit by its first move; otherwise that of the machine counts.
+    /// Whether the program had selected a unit by its first move; otherwise the initial unit of the machine applies.
     pub selected: bool,
     /// The unit of the first move, then every change.
     pub units: Vec<UnitFrom>,
@@ -57,7 +57,7 @@ pub struct UnitsRead {
     selected: bool,
     /// A code had selected a unit by the first move.
     selected_first: bool,
-    /// The first move belongs to the block that is active.
+    /// The first move belongs to the current block.
     fresh: bool,
     /// Whether the latest move was read in inches; none before the first.
     last: Option<bool>,

@@ -231,7 +231,7 @@ impl Findings {
         }
     }
 
-    /// The log is complete, with its fingerprint and the units of its coordinates. `cut_short`: a program did not reach its end.
+    /// Ends the summary with the fingerprint of the log and the units. `cut_short`: a program did not reach its end.
     pub fn finish(
         self,
         channels: Vec<Channel>,

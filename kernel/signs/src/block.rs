@@ -125,7 +125,7 @@ fn words(line: &str) -> Vec<Word> {
             .collect();
         let is_part = value.is_empty() || matches!(before, '_' | '$' | '<');
         if let ([letter], false) = (name.as_bytes(), is_part) {
-            // A chamfer (,C) and an angle of a line (,A) are not words of axes.
+            // A chamfer (,C) and an angle of a line (,A) are not axis words.
             if before != ',' || !matches!(letter, b'A' | b'C') {
                 words.push((*letter, value));
             }

@@ -271,8 +271,8 @@ impl<'c> Judge<'c> {
         Ok(Guess { machine: machine.candidate.name.clone(), why: self.why(machine, channels) })
     }
 
-    /// Refuses a machine that is guessed by its rotary axes, or has only X, Y and Z, and lacks one that the programs
-    /// move.
+    /// Refuses a machine without a rotary axis that the programs move. Checks only machines that are guessed by their
+    /// rotary axes or have only X, Y and Z.
     fn check_axes(&self, machine: &Machine<'_>) -> Result<(), String> {
         let traits = |machine: &'_ Machine<'c>| machine.candidate.signs.traits.iter().flat_map(|(_, rows)| rows);
         let by_axes = machine.candidate.signs.traits.iter().flat_map(|(_, rows)| rows);

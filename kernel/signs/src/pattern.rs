@@ -105,8 +105,8 @@ impl Pattern {
         &self.text
     }
 
-    /// The letters of the rotary axes that it names, in the order of the alphabet; empty if it names anything else but
-    /// words of other letters.
+    /// The letters of the rotary axes that the pattern names, in alphabetical order. Empty if a part is anything but
+    /// plain words of rotary axes or words of other letters.
     pub(crate) fn rotary_axes(&self) -> Vec<char> {
         let letter = |alternatives: &Alternatives| match alternatives.0.as_slice() {
             [(letter @ b'A'..=b'C', Value::Any)] => Some(char::from(*letter)),

@@ -61,7 +61,7 @@ pub enum TokenCommand {
     },
 }
 
-/// Refuses an empty name, which usually comes from an unset shell variable, and one that takes several lines of a list.
+/// Refuses an empty name, which usually comes from an unset shell variable, and a name with control characters.
 fn filled(text: &str) -> Result<String, String> {
     match text.trim() {
         "" => Err("the name is empty: give a name or omit the option (is a variable unset?)".to_owned()),

@@ -38,7 +38,7 @@ pub(super) async fn place(core: &Arc<Core>, tenant: &str) -> Result<impl Drop + 
         }
         match released.take() {
             Some(released) => released.await,
-            // A place that is released before the second look must not be missed.
+            // Subscribe before the second look, so that no released place is missed.
             None => {
                 released.insert(Box::pin(core.board.released.notified())).as_mut().enable();
             }

@@ -353,7 +353,7 @@ impl Core {
         ended.end(&self.board.clock);
         ended.runs.limit = late(deadline, None);
         (ended.runs.cause, ended.runs.reached) = (Some(Cause::Limit), Some(Reached::Deadline));
-        // As for a job that had begun, so that the answer does not depend on the moment.
+        // The verdict is that of a started job, so that the answer does not depend on timing.
         ended.verdict.clone_from(&ended.runs.limit);
         if let Err(error) = self.ledger.update_blocking(vec![ended.clone()]) {
             tracing::debug!(%error, "a job beyond its deadline is ended later");

@@ -76,7 +76,7 @@ pub(super) struct AnswerForm {
 }
 
 impl AnswerForm {
-    /// Lets pages read an answer, and gives an answer that no service has made the content type of gRPC-Web.
+    /// Lets pages read an answer. An answer that no service has made gets the content type of gRPC-Web.
     pub(super) fn apply(self, headers: &mut HeaderMap) {
         if let Some(origin) = self.origin {
             allow(headers, origin);

@@ -85,7 +85,7 @@ fn plain<T>(receive: mpsc::Receiver<T>) -> Response<ReceiverStream<T>> {
     response
 }
 
-/// The status of a job, with the reason for which it waits.
+/// The status of a job, with the reason for its wait.
 fn status_with_waits(core: &Core, record: Record) -> v1::JobStatus {
     let mut status = status_now(core, record);
     if status.state() == v1::JobState::Queued {

@@ -291,7 +291,7 @@ async fn a_folder_whose_backup_or_restore_was_killed_is_refused_and_named() {
     assert!(code == Some(3) && text.contains("copy-in-progress") && !copy.exists(), "{code:?} {text}");
 }
 
-/// docs/operations.md: a backup of a folder without some of its blobs is made, counts them, and ends with 1.
+/// docs/operations.md: `backup` of a folder without some of its blobs completes, counts them, and exits with 1.
 #[tokio::test]
 async fn a_backup_counts_the_blobs_that_it_has_copied_and_reports_the_others() {
     let folder = tempfile::tempdir().unwrap();

@@ -188,8 +188,8 @@ fn the_log_has_the_version_the_folder_the_jobs_and_the_addresses() {
     assert_ne!(port, "0", "{fields}");
 }
 
-/// Exit code, standard output and standard error of a command that needs no server. Of the variables of the server it
-/// has only those that are given: a run of all tests may have others.
+/// Exit code, standard output and standard error of a command that needs no server. It gets
+/// only the given variables of the server, since a run of all tests may set others.
 fn outcome(arguments: &[&str], variables: &[(&str, &str)]) -> (Option<i32>, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
     for (name, _) in std::env::vars_os() {

@@ -1,6 +1,6 @@
 //! Data of the part that may be in another unit than the program.
 //!
-//! *Invariant:* a job reports it once, in the channel that comes first in the order of shared operations.
+//! *Invariant:* a job reports such data once, in the channel that comes first in the order of shared operations.
 
 use crate::channel::Kernel;
 use counterpoint_event::info::Unit;
@@ -8,8 +8,8 @@ use counterpoint_fault::{self as diag, Acted};
 use counterpoint_machine::length_units::begins_in_inches;
 use counterpoint_program::presets;
 
-/// The program selects a unit. If it is not that in which the machine begins, values of `$0` without a decimal
-/// point are reported.
+/// Reports values of `$0` without a decimal point if the program selects a unit other than the initial unit of the
+/// machine.
 #[cold]
 pub(crate) fn check(kernel: &mut Kernel<'_>, inch: bool) -> Acted {
     let machine = kernel.channel.env.machine;

@@ -34,7 +34,7 @@ enum Limits {
 /// Distance beyond the limits that counts as rounding.
 const NOISE: f64 = 1e-9;
 
-/// Digits of a number from which on it may count least increments: 1 mm.
+/// Fewest digits of a number that may count least increments: 1000 is 1 mm.
 const FEWEST_DIGITS: usize = 4;
 
 /// Places of a move under tool tip control that are looked at, for each degree of its rotary axes: 1 m from the centre
@@ -225,8 +225,8 @@ impl Kernel<'_> {
     }
 }
 
-/// The text of a word of an axis whose number has many digits and no decimal point, on a control that may count such
-/// numbers in least increments and does not.
+/// The text of an axis word with many digits and no decimal point; `None` if the control never counts least increments,
+/// or already counts them.
 fn whole_number(kernel: &Kernel<'_>, word: &Word, axis: &str) -> Option<String> {
     let machine = kernel.channel.env.machine;
     let register = &machine.registers[word.register];

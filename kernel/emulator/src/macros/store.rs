@@ -149,7 +149,7 @@ impl Store {
         self.values.iter().chain(self.elements.values())
     }
 
-    /// Counts continue where another component has left them.
+    /// Continues the counts of another component.
     pub(crate) fn continue_counts(&mut self, of: &Self) {
         (self.counts, self.listed) = (of.counts, of.listed.clone());
     }

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 3.3, shop-machines.md 2 (the speed belongs to the spindle of the M function in
 //! its block). *Invariant:* a speed or a limit beside a function that may turn another spindle never reaches the active
-//! spindle. A word that names its spindle, such as S1=, does.
+//! spindle. Words that name their spindle, such as S1=, are exempt.
 
 use counterpoint_fault as diag;
 use counterpoint_fault::Acted;

@@ -25,7 +25,7 @@ pub struct At {
     pub(crate) blocks: u64,
     /// Blocks of the user's programs among them.
     pub(crate) user_blocks: u64,
-    /// Blocks among them that the control has made of a cycle; the block that calls it stands for them in events.
+    /// Blocks among them that the control has made of a cycle; events name the block that calls it.
     pub(crate) made_blocks: u64,
     /// Consecutive blocks without time.
     pub(crate) idle_blocks: u64,
@@ -48,7 +48,7 @@ impl At {
         self.caller.or(SourcePlace::new(self.file, self.line))
     }
 
-    /// Where the block is, to come back to it.
+    /// The place of the block, for a later return.
     pub(crate) fn block_place(&self) -> BlockPlace {
         BlockPlace { file: self.file, line: self.line, caller: self.caller }
     }
@@ -64,7 +64,7 @@ impl At {
         Tag { t: self.clock, micro: self.micro, channel: self.channel }
     }
 
-    /// Moves the clock on.
+    /// Advances the clock.
     pub(crate) fn advance(&mut self, ns: i64) {
         if ns > 0 {
             self.clock = self.clock.saturating_add(ns);

@@ -51,7 +51,7 @@ pub struct Channel<'a> {
     pub(crate) reports: Reports,
     /// Memory and work used up.
     pub(crate) burden: Burden,
-    /// To the log.
+    /// Sends the events to the log.
     pub(crate) emitter: Emitter<'a>,
 }
 
@@ -124,7 +124,7 @@ pub(crate) struct Reports {
     pub(crate) plausible: Plausible,
     /// M functions that had no effect in this program.
     pub(crate) swallowed: Swallowed,
-    /// A code of the unit of length has acted since the last event of a block.
+    /// A code has selected a unit of length since the last event of a block.
     pub(crate) unit_named: bool,
 }
 
@@ -159,7 +159,7 @@ impl Channel<'_> {
         self.at.tag()
     }
 
-    /// The time as far as it is known, ns: while moves wait for theirs, it may be later.
+    /// The known time, ns; the final time may be later while moves are not timed.
     #[inline(always)]
     pub(crate) fn now(&self) -> i64 {
         self.at.clock + self.emitter.late()
@@ -173,19 +173,19 @@ impl Channel<'_> {
         self.at.advance(ns);
     }
 
-    /// Adds an event of this block at the clock.
+    /// Adds an event of this block at the current time.
     #[inline]
     pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
         self.emitter.emit(&self.at, dur_ns, kind);
     }
 
-    /// Sends the events so far. Events held back stay.
+    /// Sends the collected events, except those held back.
     pub fn flush(&mut self) {
         let upto = self.emitter.promise(&self.at);
         self.emitter.flush(upto);
     }
 
-    /// Lets the path stop here: all moves are timed, and the clock is right.
+    /// Stops the path here: times all moves and sets the clock.
     #[inline(always)]
     pub(crate) fn come_to_rest(&mut self) {
         if self.emitter.has_moves() {
@@ -200,7 +200,7 @@ impl Channel<'_> {
         self.state.place.delay_waiting_moves(late);
     }
 
-    /// Times the moves that can be timed, before a block; if these are all moves, sets the clock.
+    /// Times the moves that can be timed, before a block; sets the clock if no move is left.
     #[inline(always)]
     pub(crate) fn keep_pace(&mut self) {
         if self.emitter.has_moves() {
@@ -216,13 +216,13 @@ impl Channel<'_> {
 }
 
 impl Environment<'_> {
-    /// Which of the machine's channels has this number, counted from 1 in ascending order; 0 is the master.
+    /// Position of the channel with this number, counted from 1 in ascending order; 0 is the master.
     pub(crate) fn kernel_number(&self, channel: u16) -> u16 {
         let channels = self.machine.channels.iter().zip(1_u16..);
         channels.into_iter().find(|(one, _)| one.number == channel).map_or(0, |(_, at)| at)
     }
 
-    /// The shares of the memory of the job.
+    /// The shares of the channels in the memory of the job.
     pub(crate) fn shares(&self) -> Shares {
         Shares::of_channels(&self.options.limits, self.machine.channels.len())
     }

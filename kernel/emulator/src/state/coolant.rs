@@ -37,7 +37,7 @@ impl CoolantState {
         if self.limit > 0.0 { self.limit } else { pump.max_pressure }
     }
 
-    /// Records the flowing coolant, which a later `on` switches on.
+    /// Records the flowing coolant, for a later `on` to switch on again.
     pub(crate) fn note(&mut self, fluid: u8, outlet: Outlet) {
         if let Some(last) = self.last.get_mut(head(outlet)).filter(|_| fluid != 0) {
             *last = fluid;

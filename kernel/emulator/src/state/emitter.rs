@@ -1,7 +1,7 @@
-//! The event stream of one kernel, with the events that compensation and moves without a time hold back.
+//! The event stream of one kernel, with the events that compensation and untimed moves hold back.
 //!
-//! *Invariant:* events leave in the order of the kernel's clock; every chunk promises a tag that no later event of
-//! this stream is before.
+//! *Invariant:* events are sent in the order of the kernel's clock; every chunk promises a tag that no later event of
+//! this stream precedes.
 
 mod moves;
 
@@ -15,18 +15,18 @@ use counterpoint_sync::tag::Tag;
 use super::at::At;
 use super::pace::Pace;
 
-/// Where chunks go.
+/// The destination of chunks.
 pub enum Target<'a> {
     /// To the results of the channel and to the log.
     Stream(Stream<'a>),
-    /// Kept as they are: the master's, before the channels start and after they have ended.
+    /// Kept unchanged: events of the master before the channels start and after they have ended.
     Kept(&'a mut Vec<Event>),
 }
 
 /// Events that are held back until the move before them is known.
 struct Held {
     events: Vec<Event>,
-    /// No event that comes out later is before this tag.
+    /// The tag that no later event precedes.
     since: Tag,
 }
 
@@ -35,11 +35,11 @@ pub struct Emitter<'a> {
     channel: u16,
     coordinator: Port<'a>,
     target: Target<'a>,
-    /// Always [`size`](Self::size) events long; those from `count` on are left over from before.
+    /// Always [`size`](Self::size) events long; the events from `count` on are old.
     chunk: Vec<Event>,
     size: usize,
     count: usize,
-    /// Events that have room: `size`, or none while events are held back.
+    /// Capacity for events: `size`, or 0 while events are held back.
     room: usize,
     /// Bytes of texts in the chunk.
     texts: usize,
@@ -49,12 +49,12 @@ pub struct Emitter<'a> {
     held: u64,
     /// The effects that compensation holds back.
     buffer: Option<Held>,
-    /// Moves at feed whose times later ones decide; none where speeds change at once.
+    /// Moves at feed whose times depend on later moves; `None` if speeds change instantly.
     pace: Option<Box<Pace>>,
 }
 
 impl<'a> Emitter<'a> {
-    /// A stream of a channel that begins.
+    /// The stream of a channel that starts.
     pub fn new(channel: u16, coordinator: Port<'a>, target: Target<'a>) -> Self {
         let size = match &target {
             Target::Stream(stream) => stream.chunk_size(coordinator),
@@ -66,12 +66,12 @@ impl<'a> Emitter<'a> {
         Self { channel, coordinator, target, chunk, size, count, room, texts, gone, held, buffer, pace }
     }
 
-    /// With moves at feed whose times later ones decide.
+    /// Adds the look-ahead for moves at feed.
     pub(crate) fn paced(self, pace: Option<Box<Pace>>) -> Self {
         Self { pace, ..self }
     }
 
-    /// Adds an event of this block at the clock.
+    /// Adds an event of this block at the current time.
     #[inline]
     pub(crate) fn emit(&mut self, at: &At, dur_ns: i64, kind: Kind) {
         let bytes = kind.text_bytes();
@@ -79,7 +79,7 @@ impl<'a> Emitter<'a> {
         self.carries(at, bytes);
     }
 
-    /// Adds an event whose kind is written where it stays.
+    /// Adds an event whose kind is written in place.
     #[inline(always)]
     pub(crate) fn emit_as(&mut self, at: &At, dur_ns: i64, write: impl FnOnce(&mut Kind)) {
         let At { channel, clock, micro, file, line, caller, .. } = *at;
@@ -105,7 +105,7 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// The place of an event at this tag where the chunk has none: among the events held back, or in the next chunk.
+    /// The place of an event at this tag if the chunk is full: among the events held back, or in the next chunk.
     #[cold]
     #[inline(never)]
     fn other_slot(&mut self, tag: Tag) -> Option<&mut Event> {
@@ -136,19 +136,19 @@ impl<'a> Emitter<'a> {
         self.buffer.as_ref().map_or(0, |buffer| buffer.events.len())
     }
 
-    /// Ends holding events back; the caller puts them where they belong.
+    /// Stops holding events back, and returns them for the caller to place.
     pub(crate) fn release(&mut self) -> Vec<Event> {
         let events = self.buffer.take().map(|buffer| buffer.events).unwrap_or_default();
         self.hold_back();
         events
     }
 
-    /// Tag from which on events wait for the move before them.
+    /// Tag from which events wait for the move before them.
     pub(crate) fn held_since(&self) -> Option<Tag> {
         self.buffer.as_ref().map(|buffer| buffer.since)
     }
 
-    /// No shared operation of this channel comes before.
+    /// The time before which this channel has no further shared operation, ns.
     #[inline(always)]
     pub(crate) fn bound(&self, at: &At) -> i64 {
         let since = self.buffer.as_ref().map_or(at.clock, |buffer| buffer.since.t);
@@ -158,7 +158,7 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// No event that is sent later is before this tag.
+    /// The tag that no event sent later precedes.
     pub(crate) fn promise(&self, at: &At) -> Tag {
         let tag = self.held_since().unwrap_or_else(|| at.tag());
         match self.pace.as_deref() {
@@ -170,12 +170,12 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// Events so far.
+    /// Number of events so far.
     pub(crate) fn count(&self) -> u64 {
         self.gone + self.held + self.count as u64
     }
 
-    /// Counts on from the events of an earlier life.
+    /// Continues the count of an earlier life.
     pub(crate) fn count_from(&mut self, events: u64) {
         self.gone = events;
     }
@@ -191,7 +191,7 @@ impl<'a> Emitter<'a> {
         Some(slot)
     }
 
-    /// The last event carries a text; sends the events when the chunk has enough of them.
+    /// Counts the text of the last event; sends the events when the chunk has enough text.
     #[inline]
     pub(crate) fn carries(&mut self, at: &At, bytes: usize) {
         self.texts += bytes;
@@ -200,13 +200,13 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// Takes no event while so many are held back, which count as well; takes events again with `None`.
+    /// Accepts no event while this many are held back, and counts those; `None` accepts events again.
     fn holds_back(&mut self, held: Option<usize>) {
         (self.room, self.held) = held.map_or((self.size, 0), |held| (0, held as u64));
     }
 
-    /// Does a little of the deferred work; `false` when there is none. `look`: the other kernels may have advanced so
-    /// far that there is more.
+    /// Does part of the deferred work; returns `false` if there is none. `look`: the progress of the other kernels may
+    /// have added work.
     pub(crate) fn work(&mut self, look: bool) -> bool {
         match &mut self.target {
             Target::Stream(stream) => stream.work(look, (self.channel, self.coordinator)),
@@ -214,14 +214,14 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// No other kernel does anything before this time.
+    /// Records that no other kernel acts before this time, ns.
     pub(crate) fn all_reached(&mut self, t: i64) {
         if let Target::Stream(stream) = &mut self.target {
             stream.all_reached(t);
         }
     }
 
-    /// Sends the events so far. `upto`: no later event is before this tag.
+    /// Sends the collected events. `upto`: the tag that no later event precedes.
     #[inline(never)]
     pub fn flush(&mut self, upto: Tag) {
         let (count, texts) = (std::mem::take(&mut self.count), std::mem::take(&mut self.texts));

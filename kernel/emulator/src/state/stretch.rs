@@ -13,7 +13,7 @@ use super::pace::{NOISE, Stretch};
 use super::position::Axis;
 use super::times::MoveTimes;
 
-/// The move as the look-ahead takes it; none if the path stops before and after it.
+/// The move for the look-ahead; `None` if the path stops before and after it.
 #[inline(always)]
 pub(crate) fn paced(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<Stretch> {
     if channel.emitter.times_moves() { continuous(channel, seconds, motion) } else { None }
@@ -29,7 +29,7 @@ fn continuous(channel: &Channel<'_>, seconds: f64, motion: &Motion) -> Option<St
     }
 }
 
-/// Adds the event of a move at feed whose time later ones decide. `ns`: its time if speeds changed at once.
+/// Adds the event of a move at feed whose time depends on later moves. `ns`: its time if speeds changed instantly.
 #[inline(always)]
 pub(crate) fn emit_move(channel: &mut Channel<'_>, ns: i64, motion: &Motion, stretch: &Stretch) {
     let Channel { at, block, state: State { place, modal, times, spindle, .. }, emitter, .. } = channel;
@@ -85,7 +85,7 @@ impl Limits {
         Self { speed: f64::INFINITY, acceleration: f64::INFINITY, jerk: f64::INFINITY }
     }
 
-    /// Adds an axis with its part of the path.
+    /// Adds the limits of an axis; `part` is its share of the path.
     fn axis(&mut self, axis: &Axis, part: f64) {
         let part = part.abs();
         if part > NOISE {
@@ -103,7 +103,7 @@ impl Limits {
 }
 
 impl Along<'_, '_> {
-    /// A straight path, or one whose directions are not known, of this length at least.
+    /// A path of at least this length that is straight or has unknown directions.
     fn line(&self, length: f64) -> Option<Stretch> {
         let chord = self.changes.iter().map(|change| change * change).sum::<f64>().sqrt();
         let length = chord.max(length);
@@ -119,7 +119,7 @@ impl Along<'_, '_> {
         Some(Stretch { piece: limits.piece(length, length / self.seconds), start: direction, end: direction })
     }
 
-    /// A circle in a plane, perhaps with a rise.
+    /// A circle in a plane, with or without a rise.
     fn circle(&self, motion: &Motion, plane: [AxisSlot; 2], turn: f64) -> Option<Stretch> {
         use counterpoint_machine::index::BySlot as _;
         let axes = &self.channel.state.place.layout.axes;
@@ -162,7 +162,7 @@ impl Along<'_, '_> {
         for axis in plane {
             limits.axis(&axes[axis], flat / length);
         }
-        // Round the circle the axes must bear its centripetal acceleration.
+        // The axes must provide the centripetal acceleration of the circle.
         let inward = plane.iter().filter_map(|axis| axes[*axis].dynamics.acceleration).fold(f64::INFINITY, f64::min);
         let round = (inward * radius).sqrt() * length / flat;
         let piece = limits.piece(length, round.min(length / self.seconds));

@@ -1,7 +1,7 @@
 //! The text of the block in process: of its line, of an edit, of a macro.
 //!
-//! *Invariant:* the scanner, the pre-processor and messages about words see one text; places in it are places in that
-//! text.
+//! *Invariant:* the scanner, the pre-processor and messages about words use one text, to which the positions of words
+//! refer.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -55,11 +55,11 @@ impl Channel<'_> {
     }
 }
 
-/// Replaces the left-over text.
+/// Replaces the unrecognised text.
 pub(crate) fn set_left(channel: &mut Channel<'_>, text: String) {
     channel.block.unrecognised.clear();
     if !text.trim().is_empty() {
-        // Any span will do: the text comes from here.
+        // The span is not read: the text is in the context.
         channel.block.unrecognised.push((0, 0));
     }
     channel.context.unrecognised = Some(Arc::new(text));

@@ -16,7 +16,7 @@ use super::at::nanoseconds;
 struct Sum {
     feed: f64,
     rapid: f64,
-    /// All of its time before it became the current row, in nanoseconds.
+    /// Its time until the latest switch of rows, in nanoseconds.
     whole: i64,
     feeds: (f64, f64),
     speeds: (f64, f64),
@@ -32,7 +32,7 @@ impl Default for Sum {
 #[derive(Debug, Default)]
 struct Sums {
     rows: Vec<Sum>,
-    /// Place of the current row, and when it became that.
+    /// Index of the current row, and the clock at which it became current.
     current: usize,
     since: i64,
     /// Takes amounts without a row; never read.
@@ -40,7 +40,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Another row becomes the current one; rows count from 1.
+    /// Makes another row the current row; rows count from 1.
     fn switch(&mut self, row: usize, clock: i64) {
         let since = self.since;
         self.row().whole += clock - since;
@@ -57,7 +57,7 @@ impl Sums {
         }
     }
 
-    /// A motion; its length counts for feeds only.
+    /// Adds a motion; its length counts for feeds only.
     fn motion(&mut self, rapid: bool, (seconds, length): (f64, f64), speed: f64) {
         let row = self.row();
         if rapid {
@@ -114,14 +114,14 @@ pub(crate) struct TimeRecord {
     operations: Sums,
 }
 
-/// The record of times, with the command of the spindle of the moves that it gets.
+/// The record of times, with the spindle command of the moves that it records.
 pub(crate) struct MoveTimes<'s> {
     pub(crate) record: &'s mut TimeRecord,
     pub(crate) command: &'s Command,
 }
 
 impl MoveTimes<'_> {
-    /// Records the time of moves at feed beyond that of their lengths, ns.
+    /// Records the time that the look-ahead adds to moves at feed, ns.
     pub(crate) fn extend(&mut self, ns: i64) {
         if self.record.on && ns > 0 {
             self.record.moving += ns;
@@ -164,7 +164,7 @@ impl TimeRecord {
         self.motion.get(usize::from(rapid)).copied().unwrap_or(0.0)
     }
 
-    /// Sets them.
+    /// Sets the seconds at feed, or in rapid motion.
     pub(crate) fn set_motion(&mut self, rapid: bool, seconds: f64) {
         if let Some(time) = self.motion.get_mut(usize::from(rapid)) {
             *time = seconds;
@@ -176,7 +176,7 @@ impl TimeRecord {
         (clock - self.moving - self.idle) as f64 / 1e9 + self.added[0]
     }
 
-    /// Sets them.
+    /// Sets the seconds that were neither motion nor waiting.
     pub(crate) fn set_other(&mut self, clock: i64, seconds: f64) {
         let wanted = seconds - self.other(clock);
         self.added[0] += wanted;
@@ -187,18 +187,18 @@ impl TimeRecord {
         self.idle as f64 / 1e9 + self.added[1]
     }
 
-    /// Sets them.
+    /// Sets the seconds of waiting.
     pub(crate) fn set_waiting(&mut self, seconds: f64) {
         let wanted = seconds - self.waiting();
         self.added[1] += wanted;
     }
 
-    /// The tool in this row is loaded at this clock, ns; rows count from 1.
+    /// Records that the tool in this row is loaded at this clock, ns; rows count from 1.
     pub(crate) fn switch_tool(&mut self, row: usize, clock: i64) {
         self.tools.switch(row, clock);
     }
 
-    /// The operation in this row begins at this clock, ns; rows count from 1.
+    /// Records that the operation in this row begins at this clock, ns; rows count from 1.
     pub(crate) fn switch_operation(&mut self, row: usize, clock: i64) {
         self.operations.switch(row, clock);
     }
@@ -208,7 +208,7 @@ impl TimeRecord {
         [self.tools.current + 1, self.operations.current + 1]
     }
 
-    /// A value of the table of tools, or of that of operations, at this clock, ns.
+    /// A value of the table of tools, or of the table of operations, at this clock, ns.
     pub(crate) fn sum_value(&self, of_tools: bool, clock: i64, (column, row): (i64, i64)) -> f64 {
         let sums = if of_tools { &self.tools } else { &self.operations };
         sums.value(column, row, clock)

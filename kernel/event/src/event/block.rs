@@ -8,7 +8,7 @@ record! {
     pub struct Block {
         /// Ordinal of the block within its channel, from 1.
         pub number: u64 = 1,
-        /// A code of the unit of length has acted in the block before.
+        /// Whether the preceding block selected a unit of length.
         pub unit_named: bool = 2 [wire],
     }
 }

@@ -1,4 +1,4 @@
-//! Moves at feed in continuous mode: when they are timed, and when their events leave.
+//! Moves at feed in continuous mode: when they are timed, and when their events are sent.
 //!
 //! *Invariants:* events that other channels can see happen at rest, except those that follow the speed of a spindle;
 //! the clock is set only between blocks or at rest, never while an action measures time with it. Facts and decisions:
@@ -37,12 +37,12 @@ impl Emitter<'_> {
         self.pace.as_ref().map_or(0, |pace| pace.late)
     }
 
-    /// Takes the look-ahead away, for a move that ends at its block; `put_pace` gives it back.
+    /// Removes the look-ahead for a move that ends with its block; `put_pace` restores it.
     pub(crate) fn take_pace(&mut self) -> Option<Box<Pace>> {
         self.pace.take()
     }
 
-    /// Gives the look-ahead back.
+    /// Restores the look-ahead.
     pub(crate) fn put_pace(&mut self, pace: Option<Box<Pace>>) {
         self.pace = pace;
     }
@@ -60,8 +60,8 @@ impl Emitter<'_> {
         self.pace.as_ref().is_some_and(|pace| pace.stops || pace.is_settled())
     }
 
-    /// Adds the event of a move at feed whose time later ones decide. `ns`: its time if speeds changed at once;
-    /// `jumps`: the change of speed that an axis may make at a corner; `exact`: the path stops after it.
+    /// Adds the event of a move at feed whose time depends on later moves. `ns`: its time if speeds changed instantly;
+    /// `jumps`: the change of speed that an axis may make at a corner; `exact`: the path stops after the move.
     #[inline(always)]
     pub(crate) fn emit_move(
         &mut self,
@@ -87,7 +87,7 @@ impl Emitter<'_> {
         self.hold_back();
     }
 
-    /// Times the moves that can be timed, and lets their events out.
+    /// Times the moves that can be timed, and releases their events.
     #[inline(never)]
     fn time_moves(&mut self, times: &mut MoveTimes<'_>) {
         while let Some((count, more)) = self.pace.as_mut().filter(|pace| pace.is_due()).and_then(|pace| pace.pop()) {
@@ -96,7 +96,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// When the path has to brake to stop where it is now, ns; none if it stops in any case.
+    /// Time at which the path must brake to stop after its known moves, ns; `None` if it stops in any case.
     pub(crate) fn brakes_at(&mut self, times: &mut MoveTimes<'_>) -> Option<i64> {
         while self.pace.as_ref().is_some_and(|pace| pace.has_earlier() && !pace.stops) {
             let (count, more) = self.pace.as_mut()?.pop()?;
@@ -106,7 +106,7 @@ impl Emitter<'_> {
         self.pace.as_ref()?.brakes_at()
     }
 
-    /// Lets this many events out, which have their times.
+    /// Releases this many timed events.
     fn let_out(&mut self, count: usize) {
         let Some(mut pace) = self.pace.take() else { return };
         self.holds_back(None);
@@ -137,7 +137,7 @@ impl Emitter<'_> {
         self.holds_back(count);
     }
 
-    /// Times the moves that can be timed; if these are all moves, sets the clock. Returns how much later it is, ns.
+    /// Times the moves that can be timed; sets the clock if no move is left. Returns the delay of the clock, ns.
     pub(crate) fn keep_pace(&mut self, at: &mut At, times: &mut MoveTimes<'_>) -> i64 {
         if let Some(pace) = self.pace.as_mut().filter(|pace| pace.is_out_of_moves()) {
             pace.stop();
@@ -146,14 +146,14 @@ impl Emitter<'_> {
         if self.pace.as_ref().is_some_and(|pace| pace.is_settled()) { self.set_clock(at) } else { 0 }
     }
 
-    /// Lets the path stop here: all moves are timed, and the clock is right. Returns how much later it is, ns.
+    /// Stops the path here: times all moves and sets the clock. Returns the delay of the clock, ns.
     pub(crate) fn rest(&mut self, at: &mut At, times: &mut MoveTimes<'_>) -> i64 {
         self.stop_path();
         self.time_moves(times);
         self.set_clock(at)
     }
 
-    /// Sets the clock to the end of the timed moves, and with it the events that compensation holds back.
+    /// Sets the clock to the end of the timed moves, and delays the events that compensation holds back.
     fn set_clock(&mut self, at: &mut At) -> i64 {
         let Some(pace) = &mut self.pace else { return 0 };
         pace.shift();
@@ -171,7 +171,7 @@ impl Emitter<'_> {
         late
     }
 
-    /// Adds an event of this block during the last move, ns.
+    /// Adds an event of this block at this time, ns, during the last move.
     pub(crate) fn emit_during(&mut self, at: &At, (t_ns, micro): (i64, u32), kind: Kind) {
         let At { channel, file, line, caller, .. } = *at;
         if let Some(pace) = &mut self.pace {
@@ -180,7 +180,7 @@ impl Emitter<'_> {
         self.hold_back();
     }
 
-    /// Places the events since the last move that take no time into the move, at this time, ns; the next shared
+    /// Moves the events since the last move that take no time into that move, at this time, ns. The next shared
     /// operation is later.
     pub(crate) fn draw_in(&mut self, t_ns: i64) {
         if let Some(pace) = &mut self.pace {

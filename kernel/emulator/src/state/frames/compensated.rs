@@ -1,6 +1,6 @@
 //! The active compensation of a channel.
 //!
-//! *Invariant:* without frames there is no compensation.
+//! *Invariant:* a channel without frames has no active compensation.
 
 use crate::state::cutter::Cutter;
 use crate::state::position::Place;
@@ -11,14 +11,14 @@ impl Place {
         self.frames.as_deref_mut()?.cutter.as_deref_mut()
     }
 
-    /// The clock is set to later by this, ns: so are the moves that compensation keeps.
+    /// Delays the moves that compensation holds back, by the delay of the clock, ns.
     pub(crate) fn delay_waiting_moves(&mut self, ns: i64) {
         if let Some(cutter) = self.cutter().filter(|_| ns != 0) {
             cutter.waiting.iter_mut().for_each(|waiting| waiting.clock += ns);
         }
     }
 
-    /// Compensation takes moves of this kernel.
+    /// Whether compensation is active.
     #[inline(always)]
     pub(crate) fn is_compensated(&self) -> bool {
         self.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())

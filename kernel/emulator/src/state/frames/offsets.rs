@@ -47,8 +47,8 @@ impl Offsets {
         self.turned.get(&number).copied()
     }
 
-    /// Stores the rotation of a work offset, which takes effect when the frame is rebuilt; `false` when there is no
-    /// room for it.
+    /// Stores the rotation of a work offset, which takes effect when the frame is rebuilt. Returns `false` if the
+    /// table is full.
     pub(crate) fn store_turn(&mut self, number: u32, turn: Option<Affine>) -> bool {
         let turned = &mut self.turned;
         match turn {
@@ -63,8 +63,8 @@ impl Offsets {
         true
     }
 
-    /// Stores an offset, which is not active before the frame is made again; `false` when there is no room for it or it
-    /// is out of all bounds.
+    /// Stores an offset, which takes effect when the frame is rebuilt. Returns `false` if the table is full or a value
+    /// is out of bounds.
     pub(crate) fn store(&mut self, table: Table, number: u32, values: Position) -> bool {
         if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
             return false;
@@ -81,7 +81,7 @@ impl Offsets {
         true
     }
 
-    /// Sets the direction of the imaginary tip; `false` when there is no room for it or no such direction.
+    /// Sets the direction of the imaginary tip. Returns `false` if the table is full or the direction is not 0 to 9.
     pub(crate) fn set_tip(&mut self, number: u32, value: f64) -> bool {
         let tips = &mut self.tip;
         let possible = (0.0..=9.0).contains(&value) && value.fract() == 0.0;

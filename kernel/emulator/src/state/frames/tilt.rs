@@ -275,7 +275,7 @@ impl Place {
         Some(beside.map().at(axis))
     }
 
-    /// A rotary axis as it stands.
+    /// Position and travel limits of a rotary axis.
     pub(crate) fn stand(&self, axis: AxisSlot) -> Stand {
         let at = self.position.at(axis) + self.shift.at(axis);
         Stand { at, travel: self.layout.axes[axis].limits }
