@@ -43,6 +43,9 @@ fn the_report_names_the_unit_of_the_coordinates() {
     assert_eq!(late, "coordinates read in mm, the unit in which machine fanuc-mill begins, from line 3 in inch");
     // Moves of a tool change have no coordinates of the program.
     assert_eq!(line(&format!("O1\nT1 M6\nG20\n{MOVES}"), mill), "coordinates read in inch");
+    // A system variable selects a unit as a code does.
+    let variable = line("O1\nG20\nG1 X1. F9.\n#3005=0\nG1 X30.\nM30\n", mill);
+    assert_eq!(variable, "coordinates read in inch, from line 4 in mm");
     let siemens = line(MOVES, &["--machine", "siemens-mill"]);
     let begins = "no G70/G71/G700/G710: coordinates read in mm, the unit in which machine siemens-mill begins";
     assert_eq!(siemens, begins);

@@ -75,6 +75,8 @@ impl Preset {
 fn preset(line: &[u8]) -> Option<Preset> {
     let text = std::str::from_utf8(line).ok()?.trim();
     let (number, value) = text.strip_prefix('#')?.split_once('=')?;
+    // A comment in parentheses may follow.
+    let value = value.split('(').next()?;
     let (number, value) = (number.trim(), value.trim());
     let is_number =
         |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit() || b".+-".contains(&byte));
@@ -95,6 +97,7 @@ mod tests {
         assert_eq!(preset(b"#814=0000002500", 10_000.0), Some((814, 0.25)));
         assert_eq!(preset(b" #824 = -000001000 \r", 1000.0), Some((824, -1.0)));
         assert_eq!(preset(b"#500=1.5", 1000.0), Some((500, 1.5)));
+        assert_eq!(preset(b"#814=2500 (X)", 1000.0), Some((814, 2.5)));
         for line in [&b"A"[..], b"#500", b"#=1", b"#5OO=1", b"#500=[1]", b"#500=", b"#500=#501", b"#99999999999=1"] {
             assert_eq!(preset(line, 1000.0), None);
         }

@@ -47,6 +47,7 @@ pub mod step;
 mod system_variables;
 mod tool_data;
 mod travel;
+pub(crate) mod unit_switch;
 mod unknown;
 mod unknown_codes;
 pub(crate) mod variables;

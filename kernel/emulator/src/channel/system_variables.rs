@@ -6,7 +6,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::Kernel;
+use super::{Kernel, unit_switch};
 use crate::state::channel::Channel;
 use crate::state::frames::offsets::{BASE, EXTENDED, Radii, Table};
 use crate::state::position::Place;
@@ -122,8 +122,7 @@ impl Kernel<'_> {
                 kept.kept.insert(number, f64::from(bits & !INCH));
                 let inch = bits & INCH != 0;
                 let machine_inch = self.channel.env.machine.unit == counterpoint_event::info::Unit::Inch;
-                self.activate_code(if inch == machine_inch { codes::UNITS_PRIMARY } else { codes::UNITS_SECONDARY });
-                self.channel.state.secondary = inch != machine_inch;
+                unit_switch::switch_unit(self, inch != machine_inch);
             }
             Means::Bit(_) => {
                 kept.kept.insert(number, f64::from(u8::from(value >= 0.5)));

@@ -7,6 +7,7 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
+use crate::channel::unit_switch::switch_unit;
 use crate::macros::store::Store;
 use crate::macros::values::code_value;
 use counterpoint_event::info::Unit;
@@ -86,20 +87,14 @@ fn per_primary(kernel: &Kernel<'_>) -> f64 {
     if kernel.channel.env.machine.unit == Unit::Inch { 25.4 } else { 1.0 / 25.4 }
 }
 
-/// Words are read in the other unit from now on.
-fn switch_unit(kernel: &mut Kernel<'_>, secondary: bool) -> Outcome<()> {
-    kernel.activate_code(if secondary { codes::UNITS_SECONDARY } else { codes::UNITS_PRIMARY });
-    kernel.channel.state.secondary = secondary;
-    Ok(())
-}
-
 fn set_unit(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     let inch = match value.as_real() {
         Some(1.0) => true,
         Some(25.4) => false,
         _ => return Err(Fault::new(Number::BAD_VALUE, "$UNIMCH is 1 for inch or 25.4 for millimetre")),
     };
-    switch_unit(kernel, inch != (kernel.channel.env.machine.unit == Unit::Inch))
+    switch_unit(kernel, inch != (kernel.channel.env.machine.unit == Unit::Inch));
+    Ok(())
 }
 
 fn levels(kernel: &Kernel<'_>) -> u16 {
@@ -226,7 +221,8 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                     let text = format!("$PCONFC is 1 or {} here", per_primary(k));
                     return Err(Fault::new(Number::BAD_VALUE, text));
                 }
-                switch_unit(k, secondary)
+                switch_unit(k, secondary);
+                Ok(())
             }),
         ),
         "$SUBLVL" => (|k, _| number(k.flow.frames.len().saturating_sub(1) as u32), None),
