@@ -31,6 +31,12 @@ impl HeldShift {
     }
 }
 
+/// Releases all held events at their times, without the move before them.
+pub(super) fn release_held(act: &mut Act<'_, '_>) {
+    let mut events = act.channel_mut().emitter.release().into_iter();
+    act.put_back_events(&mut events, usize::MAX, HeldShift::default());
+}
+
 impl Act<'_, '_> {
     /// Releases held events up to (not including) the event with this number.
     pub(super) fn put_back_events(&mut self, events: &mut std::vec::IntoIter<Event>, count: usize, shift: HeldShift) {

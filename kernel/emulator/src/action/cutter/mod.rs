@@ -33,7 +33,6 @@ use crate::state::corner::{Asked, Corner};
 use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
 use crate::state::modal::{group, plane};
 use counterpoint_motion::contour::element::{Element, NOISE, distance};
-use held::HeldShift;
 
 /// Number of blocks after which a waiting move is completed in any case.
 const LONGEST_WAIT: u64 = 1000;
@@ -439,8 +438,7 @@ impl Act<'_, '_> {
             self.channel_mut().state.place.forget_cutter();
             return settled.err().unwrap_or(halt);
         }
-        let mut events = self.channel_mut().emitter.release().into_iter();
-        self.put_back_events(&mut events, usize::MAX, HeldShift::default());
+        held::release_held(self);
         self.channel_mut().state.place.forget_cutter();
         halt
     }
